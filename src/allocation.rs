@@ -1,39 +1,37 @@
-//! The allocator of the binaries: a thread can be given a limit of memory, and stops where it would exceed
-//! it.
+//! The allocator of the binaries: a thread can have a memory limit, and stops before it would exceed it.
 //!
-//! The standard library ends the process when an allocation fails, and it has no way to fail one thread
-//! alone. A thread that would exceed its limit is therefore never given an answer: it sleeps until the
-//! process ends, and whoever waits for it learns why. Only work that the process can do without may run like
-//! this. Knows nothing of what the memory is for.
+//! The standard library ends the process when an allocation fails and cannot fail one thread alone. A thread
+//! that would exceed its limit therefore never gets an answer: it sleeps until the process ends, and the
+//! thread that waits for it is notified. Use it only for optional work.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// The system's allocator with limits for single threads.
+/// The system's allocator with per-thread limits.
 #[derive(Debug)]
 pub struct Limited;
 
-/// What a thread may still allocate.
+/// Remaining memory of a thread.
 #[derive(Clone, Copy)]
 struct Budget {
     /// Bytes.
     left: usize,
-    /// Is set when the thread stops; it outlives the limit.
+    /// Set when the thread stops; outlives the limit.
     exceeded: *const AtomicBool,
 }
 
 thread_local! {
-    /// The limit of this thread; without one, `None`.
+    /// The limit of this thread, or `None`.
     static BUDGET: Cell<Option<Budget>> = const { Cell::new(None) };
 }
 
-/// Runs a function that may hold so many bytes more than now. When it would exceed them, `exceeded` is set
-/// and the present thread sleeps until the process ends. Without [`Limited`] as the program's allocator there
-/// is no limit.
+/// Runs a function that may allocate at most `bytes` more than now. If it would exceed them, `exceeded` is
+/// set and the current thread sleeps until the process ends. Has no effect unless [`Limited`] is the
+/// program's allocator.
 pub fn limited<T>(bytes: usize, exceeded: &AtomicBool, run: impl FnOnce() -> T) -> T {
-    /// Takes the limit away, also when `run` panics.
+    /// Removes the limit, also when `run` panics.
     struct Lifted(Option<Budget>);
     impl Drop for Lifted {
         fn drop(&mut self) {
@@ -44,9 +42,9 @@ pub fn limited<T>(bytes: usize, exceeded: &AtomicBool, run: impl FnOnce() -> T) 
     run()
 }
 
-/// Takes bytes from the budget of this thread, which is stopped where they are too many.
+/// Takes bytes from the budget of this thread and stops the thread if too few are left.
 fn take(bytes: usize) {
-    // A thread that ends has no limit any more.
+    // A thread that is ending has no limit any more.
     let Ok(Some(budget)) = BUDGET.try_with(Cell::get) else { return };
     let Some(left) = budget.left.checked_sub(bytes) else { stop(budget) };
     let _ = BUDGET.try_with(|cell| cell.set(Some(Budget { left, ..budget })));
@@ -60,16 +58,16 @@ fn give(bytes: usize) {
 }
 
 fn stop(budget: Budget) -> ! {
-    // SAFETY: `limited` holds the reference for as long as this thread has the budget, and this thread never
-    // goes on.
+    // SAFETY: `limited` keeps the reference alive while this thread has the budget, and this thread never
+    // continues.
     unsafe { &*budget.exceeded }.store(true, Ordering::SeqCst);
     loop {
         std::thread::sleep(Duration::from_secs(3600));
     }
 }
 
-// SAFETY: every call is handed on to the system's allocator unchanged, or never returns. The budget is a
-// plain cell without a destructor, so that reading it allocates nothing.
+// SAFETY: every call is passed to the system's allocator unchanged, or never returns. The budget is a plain
+// cell without a destructor, so that reading it does not allocate.
 unsafe impl GlobalAlloc for Limited {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         take(layout.size());
@@ -121,7 +119,7 @@ mod tests {
             })
         });
         while !exceeded.load(Ordering::SeqCst) {
-            assert!(!thread.is_finished(), "it exceeded its limit and went on");
+            assert!(!thread.is_finished(), "it exceeded its limit and continued");
             std::thread::sleep(Duration::from_millis(1));
         }
         assert!(!thread.is_finished());

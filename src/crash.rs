@@ -1,9 +1,9 @@
-//! The end of the process in the middle of a work: errors that a native library does not return from, aborts
-//! (a failed allocation, a C++ exception that nobody caught) and faults such as a stack overflow.
+//! The end of the process during a task: errors from which a native library does not return, aborts (a failed
+//! allocation, an uncaught C++ exception) and faults such as a stack overflow.
 //!
-//! The thread that it happens on never goes on. It wakes a thread that was made for this when memory was
-//! still there; that one tells the listener which work it was, waits for the other works' checkpoints where
-//! memory can still be trusted, and ends the process with [`EXIT_CODE`]. Knows nothing of stages or stores.
+//! The affected thread never continues. It wakes a reporting thread that was created while memory was
+//! available; that one reports the affected task to the listener, waits for the other tasks' checkpoints if
+//! memory is still intact, and ends the process with [`EXIT_CODE`]. Independent of stages and stores.
 
 use std::cell::Cell;
 use std::collections::BTreeMap;
@@ -11,63 +11,63 @@ use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 
-/// The exit code of a process that ends here: that of a failed stage.
+/// The exit code after a crash: that of a failed stage.
 pub const EXIT_CODE: i32 = 4;
 
-/// Memory that is kept for the last words, in bytes.
+/// Memory reserved for the crash report, in bytes.
 const RESERVE: usize = 8 << 20;
-/// How long other works have for their checkpoints.
+/// Time that other tasks have for their checkpoints.
 const GRACE: Duration = Duration::from_secs(30);
-/// How long the last words may take before the process ends without them.
+/// Time limit of the crash report; after it the process ends without one.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Faults that end a process at once.
+/// Fatal signals.
 const FAULTS: [i32; 5] = [libc::SIGABRT, libc::SIGSEGV, libc::SIGBUS, libc::SIGILL, libc::SIGFPE];
 
 thread_local! {
-    /// The work that this thread is part of; 0 is none.
+    /// The task of this thread; 0 is none.
     static WORK: Cell<u32> = const { Cell::new(0) };
 }
 
-/// The works that run, by number.
+/// The running tasks, by number.
 static RUNNING: Mutex<BTreeMap<u32, Work>> = Mutex::new(BTreeMap::new());
 static NEXT: AtomicU32 = AtomicU32::new(1);
-/// What a library said, with the work's number.
+/// Error message of a library, with the task's number.
 static ERROR: Mutex<Option<(u32, String)>> = Mutex::new(None);
-/// The first fault's signal, and the work that it struck.
+/// The first fault's signal, and the affected task.
 static FAULT: AtomicI32 = AtomicI32::new(0);
 static STRUCK: AtomicU32 = AtomicU32::new(0);
-/// Whether a crash is being told.
+/// Whether a crash is being reported.
 static ENDING: AtomicBool = AtomicBool::new(false);
 static SPARE: Mutex<Vec<u8>> = Mutex::new(Vec::new());
-/// The end of the pipe that wakes the thread of the last words; negative while nobody listens.
+/// Write end of the pipe that wakes the reporting thread; negative without a listener.
 static WAKE: AtomicI32 = AtomicI32::new(-1);
 
-/// A work that can be named.
+/// A task that can be named.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Work {
-    /// Its name for people.
+    /// Its name for human readers.
     pub label: String,
-    /// Its key in the store; empty when it has none.
+    /// Its key in the store; empty if it has none.
     pub key: String,
 }
 
-/// What ended the process.
+/// Description of a crash.
 #[derive(Clone, Debug)]
 pub struct Crash {
-    /// The work that it happened in; all that run when nobody knows.
+    /// The affected task; all running ones if it is unknown.
     pub works: Vec<Work>,
-    /// What is known of it.
+    /// The cause, as far as known.
     pub message: String,
 }
 
-/// A work in progress, from its beginning until this is dropped.
+/// A running task; it ends when this is dropped.
 #[derive(Debug)]
 pub struct Working {
     number: u32,
     outer: u32,
 }
 
-/// The present thread works on this from now on.
+/// Assigns the current thread to this task.
 pub fn working(work: Work) -> Working {
     let number = NEXT.fetch_add(1, Ordering::Relaxed);
     running().insert(number, work);
@@ -81,29 +81,30 @@ impl Drop for Working {
     }
 }
 
-/// The work of a thread, for the threads that it starts.
+/// The task of a thread, for the threads that it starts.
 #[derive(Clone, Copy, Debug)]
 pub struct Part(u32);
 
-/// The work of the present thread.
+/// The task of the current thread.
 pub fn part() -> Part {
     Part(WORK.get())
 }
 
 impl Part {
-    /// The present thread works on this, too.
+    /// Assigns the current thread to this task, too.
     pub fn join(self) {
         WORK.set(self.0);
     }
 }
 
-/// What a thread of a work came to. Its panic goes on in the thread that waits for it, with its own message.
+/// The result of a thread. If it panicked, the panic continues in the calling thread with its original
+/// message.
 pub fn joined<T>(result: std::thread::Result<T>) -> T {
     result.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
-/// From now on a crash is told to `tell`, on a thread of its own; `stop` asks the other works for their
-/// checkpoints, and `over` is called last of all.
+/// Reports crashes to `tell`, on a separate thread; `stop` asks the other tasks for their checkpoints, and
+/// `over` is called last.
 pub fn listen(
     tell: impl Fn(&Crash) + Send + 'static,
     stop: impl Fn() + Send + 'static,
@@ -126,9 +127,10 @@ pub fn listen(
     Ok(())
 }
 
-/// Ends the process because a library cannot go on. Called from inside of it, on any thread; never returns.
+/// Ends the process because a library cannot continue. Called from within the library, on any thread; never
+/// returns.
 pub fn fatal(library: &str, message: &str) -> ! {
-    // What is said next takes memory, and that may be what ran out.
+    // The message takes memory, which may have run out.
     release();
     let first = !ENDING.swap(true, Ordering::SeqCst);
     if first {
@@ -138,12 +140,12 @@ pub fn fatal(library: &str, message: &str) -> ! {
             exit();
         }
     }
-    // The process ends meanwhile; this thread may hold a lock that the others' checkpoints wait for.
+    // Meanwhile the process ends; this thread may hold a lock that the others' checkpoints need.
     std::thread::sleep(GRACE + 2 * PATIENCE);
     exit()
 }
 
-/// The thread that tells what happened, before the process ends.
+/// The thread that reports the crash before the process ends.
 fn last_words(wait: i32, tell: &(impl Fn(&Crash) + Send), stop: &(impl Fn() + Send)) {
     let mut byte = 0_u8;
     // SAFETY: reads at most one byte into a byte. Interrupted calls are repeated.
@@ -156,21 +158,21 @@ fn last_words(wait: i32, tell: &(impl Fn(&Crash) + Send), stop: &(impl Fn() + Se
     };
     tell(&Crash { works: works(struck), message });
     if error.is_some() {
-        // Memory is as it should be: what else runs can write its checkpoint.
+        // Memory is intact: other tasks can write their checkpoints.
         stop();
         let start = Instant::now();
         let others = || running().keys().any(|number| *number != struck);
         while others() && start.elapsed() < GRACE {
             std::thread::sleep(Duration::from_millis(20));
         }
-        // What has ended is noted by the thread that started it.
+        // The threads that started the ended tasks record their end.
         std::thread::sleep(Duration::from_millis(200));
     }
 }
 
-/// The work of this number, or all that run.
+/// The task with this number, or all running ones.
 fn works(number: u32) -> Vec<Work> {
-    // The thread that was struck may hold the lock.
+    // The affected thread may hold the lock.
     let start = Instant::now();
     let running = loop {
         match RUNNING.try_lock() {
@@ -183,7 +185,7 @@ fn works(number: u32) -> Vec<Work> {
     running.get(&number).map_or_else(|| running.values().cloned().collect(), |work| vec![work.clone()])
 }
 
-/// What a fault means to a user.
+/// Describes a fault for users.
 fn in_words(signal: i32) -> String {
     let what = match signal {
         libc::SIGABRT => {
@@ -191,18 +193,16 @@ fn in_words(signal: i32) -> String {
              more"
         }
         libc::SIGSEGV => "invalid memory access or stack overflow (SIGSEGV)",
-        libc::SIGBUS => {
-            "memory that cannot be read (SIGBUS): a file that was cut off, or a full temporary folder"
-        }
+        libc::SIGBUS => "memory that cannot be read (SIGBUS): a truncated file, or a full temporary folder",
         libc::SIGILL => "an instruction that this processor does not have (SIGILL)",
         _ => "invalid arithmetic (SIGFPE)",
     };
     format!("the process crashed: {what}")
 }
 
-/// Has a fault's signal handled, on the thread's own signal stack.
+/// Installs the handler of a fault's signal, on the thread's own signal stack.
 fn catch(signal: i32) {
-    // SAFETY: the handler only does what is allowed in one, and never returns.
+    // SAFETY: the handler only makes async-signal-safe calls, and never returns.
     unsafe {
         let mut action: libc::sigaction = std::mem::zeroed();
         action.sa_sigaction = struck as extern "C" fn(i32) as usize;
@@ -212,8 +212,8 @@ fn catch(signal: i32) {
     }
 }
 
-/// The handler: notes what it is, wakes the thread of the last words and waits for the end. It allocates
-/// nothing and takes no lock.
+/// The handler: records the signal, wakes the reporting thread and waits for the end. It neither allocates
+/// nor locks.
 extern "C" fn struck(signal: i32) {
     if !ENDING.swap(true, Ordering::SeqCst) {
         FAULT.store(signal, Ordering::SeqCst);
@@ -221,18 +221,18 @@ extern "C" fn struck(signal: i32) {
         wake();
     }
     std::thread::sleep(PATIENCE);
-    complain("error[R0010]: the process crashed, and what it was working on could not be told\n");
+    complain("error[R0010]: the process crashed, and the running task could not be determined\n");
     exit()
 }
 
-/// Wakes the thread of the last words; false when there is none.
+/// Wakes the reporting thread; false without one.
 fn wake() -> bool {
     let wake = WAKE.load(Ordering::SeqCst);
     // SAFETY: writes one byte.
     wake >= 0 && unsafe { libc::write(wake, c"!".as_ptr().cast(), 1) } == 1
 }
 
-/// Gives the spare memory back.
+/// Frees the reserved memory.
 fn release() {
     if let Ok(mut spare) = SPARE.try_lock() {
         drop(std::mem::take(&mut *spare));
@@ -241,7 +241,7 @@ fn release() {
 
 /// Writes to standard error without a buffer or a lock.
 fn complain(text: &str) {
-    // SAFETY: the bytes are there for the whole call. Nobody is left to be told that it failed.
+    // SAFETY: the bytes live for the whole call. A failure cannot be reported any more.
     let _ = unsafe { libc::write(libc::STDERR_FILENO, text.as_ptr().cast(), text.len()) };
 }
 

@@ -1,4 +1,4 @@
-//! JSON of results: a number that is NaN or infinite is an error with its place. JSON has no word for it, and
+//! JSON of results: a number that is NaN or infinite is an error with its path. JSON cannot represent it, and
 //! the writer's `null` would later pass for "not measured".
 
 use std::fmt;
@@ -9,7 +9,7 @@ use serde::ser::{self, Serialize};
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{} is {value}", if path.is_empty() { "the value" } else { path.as_str() })]
 pub struct NotFinite {
-    /// Where it stands: `episodes.3.speed`.
+    /// Its path: `episodes.3.speed`.
     pub path: String,
     /// `NaN`, `inf` or `-inf`.
     pub value: String,
@@ -19,7 +19,7 @@ pub struct NotFinite {
 pub fn check<T: Serialize + ?Sized>(value: &T) -> Result<(), NotFinite> {
     value.serialize(Search { path: &mut Vec::new() }).map_err(|found| match found {
         Found::Number(found) => found,
-        // A key that is no text or a serializer's own error: `serde_json` meets it too and says what it is.
+        // A key that is not a text, or a serializer's own error: `serde_json` meets it too and reports it.
         Found::Other(reason) => NotFinite { path: String::new(), value: reason },
     })
 }
@@ -30,7 +30,7 @@ pub fn to_string<T: Serialize + ?Sized>(value: &T) -> Result<String, NotFinite> 
     serde_json::to_string(value).map_err(unwritable)
 }
 
-/// A value as JSON for people.
+/// A value as indented JSON.
 pub fn to_string_pretty<T: Serialize + ?Sized>(value: &T) -> Result<String, NotFinite> {
     check(value)?;
     serde_json::to_string_pretty(value).map_err(unwritable)
@@ -65,7 +65,7 @@ impl ser::Error for Found {
     }
 }
 
-/// A serializer that writes nothing and knows where it is.
+/// A serializer that writes nothing and tracks its path.
 struct Search<'a> {
     path: &'a mut Vec<String>,
 }
@@ -306,7 +306,7 @@ mod tests {
         bounds: [f64; 2],
     }
 
-    /// The place of a number, its value, and how it comes there.
+    /// The path of a number, its value, and the function that sets it.
     type Case = (&'static str, &'static str, fn(&mut Sample));
 
     fn sample() -> Sample {

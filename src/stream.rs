@@ -1,9 +1,8 @@
 //! Named random streams: all randomness of a run.
 //!
-//! A stream is a ChaCha8 generator keyed by the BLAKE3 hash of its name
-//! (`1/train/env/17/episode/42`, where 1 is the run's seed), so streams are independent of each other,
-//! of the thread that draws from them and of the order in which they are created, and nothing of them
-//! has to be stored to resume.
+//! A stream is a ChaCha8 generator keyed by the BLAKE3 hash of its name (`1/train/env/17/episode/42`, where 1
+//! is the run's seed), so streams do not depend on each other, on the thread that draws from them or on the
+//! order of their creation, and a resumed run needs no stored state.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -18,7 +17,7 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// The stream of this name.
+    /// The stream with this name.
     pub fn new(name: &str) -> Self {
         let key = blake3::derive_key("specforge random stream v1", name.as_bytes());
         Self { generator: ChaCha8Rng::from_seed(key) }
@@ -34,14 +33,14 @@ impl Stream {
         ((u128::from(self.generator.next_u64()) * count as u128) >> 64) as usize
     }
 
-    /// A standard normal number (the ziggurat of Marsaglia and Tsang 2000): of the generator's numbers it
-    /// takes one, seldom more.
+    /// A standard normal number (ziggurat method, Marsaglia and Tsang 2000): usually consumes one number of
+    /// the generator, rarely more.
     pub fn normal(&mut self) -> f64 {
         StandardNormal.sample(&mut self.generator)
     }
 
-    /// A draw from a distribution; always consumes two uniform numbers, so that what is drawn after it stays
-    /// the same whatever the distribution.
+    /// A draw from a distribution; always consumes two uniform numbers, so that later draws do not depend on
+    /// the distribution.
     pub fn draw(&mut self, sampler: &Sampler) -> f64 {
         let (first, second) = (self.uniform(), self.uniform());
         sampler.draw(first, second)

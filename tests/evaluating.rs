@@ -76,7 +76,7 @@ fn what_is_no_policy_is_refused_with_its_code_and_cure() {
         (b"hello", "[R0002]", "not a safetensors file"),
         (&bytes[..bytes.len() / 2], "[R0002]", "not a safetensors file"),
         (&flipped, "[R0003]", "the file is damaged"),
-        (&newer, "[R0002]", "version 7 of the layout, this specforge reads version 1"),
+        (&newer, "[R0002]", "layout version 7, this specforge supports version 1"),
         (
             &Network::orthogonal(&[3, 2], Activation::Relu, &mut Stream::new("test")).to_safetensors("actor"),
             "[R0002]",

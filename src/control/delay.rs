@@ -1,15 +1,15 @@
 //! A delay line for torque commands, of any length in physics steps (docs/explanation/paper.md, A17).
 
-/// How near to a whole number of steps a length is one, in steps: products of a rate and a time are not
-/// exact.
+/// Tolerance in steps within which a length counts as a whole number of steps: products of a rate and a time
+/// are not exact.
 const WHOLE: f64 = 1e-9;
 
-/// Holds commands back by a fixed time. Until the first command has passed through, that command itself comes
-/// out: a robot does not start limp.
+/// Delays commands by a fixed time. Until the first command has passed through, the output is that command,
+/// so that a robot does not start without torque.
 ///
-/// A length of n + f physics steps, f a fraction, changes the torque within a step. What comes out for that
-/// step is the torque's mean over it: (1 - f) times the command of n steps ago plus f times the one of n + 1
-/// steps ago. Where f is 0 the command of n steps ago comes out as it is.
+/// A length of n + f physics steps, f a fraction, changes the torque within a step. The output for that step
+/// is the torque's mean over it: (1 - f) times the command of n steps ago plus f times the one of n + 1 steps
+/// ago. If f is 0, the output is exactly the command of n steps ago.
 #[derive(Clone, Debug, Default)]
 pub struct Delay {
     /// Earlier commands, a ring of `slots` times `width` numbers.
@@ -24,8 +24,8 @@ pub struct Delay {
 }
 
 impl Delay {
-    /// Empties the line and sets its width (numbers per command) and its length in physics steps, not
-    /// negative. Allocates only when it grows.
+    /// Empties the line and sets its width (numbers per command) and its length in physics steps, at least
+    /// zero. Allocates only when it grows.
     pub fn reset(&mut self, width: usize, steps: f64) {
         let nearest = steps.round();
         let (whole, fraction) = match (steps - nearest).abs() < WHOLE {
@@ -37,7 +37,7 @@ impl Delay {
         (self.width, self.slots, self.fraction, self.place, self.empty) = (width, slots, fraction, 0, true);
     }
 
-    /// Takes the command of a physics step in and replaces it by what is in force during that step.
+    /// Takes the command of a physics step and replaces it with the delayed one for that step.
     pub fn pass(&mut self, command: &mut [f64]) {
         if self.slots == 0 {
             return;
@@ -49,7 +49,7 @@ impl Delay {
         let (oldest, next) = (self.place, (self.place + 1) % self.slots);
         self.line[oldest * self.width..][..self.width].swap_with_slice(command);
         if self.fraction > 0.0 {
-            // With a single slot the newer command is the one that has just been taken in.
+            // With a single slot the newer command is the one just stored.
             let newer = &self.line[next * self.width..][..self.width];
             command
                 .iter_mut()
@@ -64,7 +64,7 @@ impl Delay {
 mod tests {
     use super::*;
 
-    /// What comes out when commands of 1, 2, 3 ... go in.
+    /// The outputs for the commands 1, 2, 3, ...
     fn outputs(steps: f64) -> Vec<f64> {
         let mut delay = Delay::default();
         delay.reset(1, steps);
@@ -102,7 +102,7 @@ mod tests {
                     let on = if step == 0 { 0.0 } else { 1.0 };
                     let mut command = [on, 5.0];
                     delay.pass(&mut command);
-                    assert_eq!(command[1], 5.0, "what does not change comes out as it is");
+                    assert_eq!(command[1], 5.0, "a constant command is unchanged");
                     on - command[0]
                 })
                 .sum();

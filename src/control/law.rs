@@ -1,4 +1,4 @@
-//! The low-level laws: torques from actions, directly or through a position servo.
+//! Low-level control laws: torques from actions, directly or through a position servo.
 
 use crate::kinds::action::Action;
 use crate::kinds::action::position::{Position, SharesOf, Span, Targets};
@@ -6,8 +6,8 @@ use crate::robot::{Joint, Robot};
 
 use super::motor;
 
-/// A compiled low-level law. Vectors are in joint order; an action of the law has one number per joint
-/// (the phase action is not its business).
+/// A compiled low-level law. Vectors are in joint order; an action of the law has one number per joint (the
+/// phase action is handled elsewhere).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Law {
     joints: Vec<Drive>,
@@ -18,7 +18,7 @@ pub struct Law {
     speed_limited: bool,
 }
 
-/// The figures of one joint.
+/// Parameters of one joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Drive {
     effort: f64,
@@ -26,7 +26,7 @@ struct Drive {
     /// Bounds of the command.
     limits: [f64; 2],
     centre: f64,
-    /// What an action of 1 commands, in rad.
+    /// Command for an action of 1, in rad.
     span: f64,
     stiffness: f64,
     damping: f64,
@@ -70,7 +70,7 @@ impl Law {
         self.joints.iter().map(|drive| (drive.stiffness, drive.damping))
     }
 
-    /// What an action of 1 commands at each joint: N m under torque control, rad from the default
+    /// Command for an action of 1 at each joint: in N m under torque control, in rad from the default
     /// position under position control.
     pub fn units(&self) -> impl Iterator<Item = f64> + '_ {
         self.joints.iter().map(|drive| if self.position { drive.span } else { drive.effort })
@@ -81,7 +81,7 @@ impl Law {
         self.joints.iter().map(|drive| drive.limits)
     }
 
-    /// The actions that make a difference at each joint: what is beyond is clipped by [`Law::command`].
+    /// The effective range of each joint's action: [`Law::command`] clips values beyond it.
     pub fn ranges(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         self.joints.iter().map(|drive| match self.position {
             true => drive.limits.map(|end| (end - drive.centre) / drive.span),
@@ -89,7 +89,7 @@ impl Law {
         })
     }
 
-    /// The command of an action: torques in N m, or joint positions in rad. Once per control step.
+    /// The command of an action: torques in N m, or joint positions in rad. Called once per control step.
     pub fn command(&self, action: &[f64], command: &mut [f64]) {
         for ((drive, action), command) in self.joints.iter().zip(action).zip(command) {
             *command = if self.position {
@@ -100,8 +100,8 @@ impl Law {
         }
     }
 
-    /// The torques in N m of a command, at these joint positions in rad and velocities in rad/s, within the
-    /// effort limits. Once per tick of the servo.
+    /// The torques in N m for a command, at these joint positions in rad and velocities in rad/s, within the
+    /// effort limits. Called once per servo step.
     pub fn torque(&self, command: &[f64], position: &[f64], velocity: &[f64], torque: &mut [f64]) {
         if !self.position {
             torque.copy_from_slice(command);
@@ -114,8 +114,8 @@ impl Law {
         }
     }
 
-    /// The action whose command gives these torques in N m in this state (for labels of pre-training):
-    /// not clipped, so it may ask for more than there is.
+    /// The action whose command gives these torques in N m in this state (for labels of pre-training); not
+    /// clipped, so it may exceed the effective range.
     pub fn action(&self, torque: &[f64], position: &[f64], velocity: &[f64], action: &mut [f64]) {
         for (index, drive) in self.joints.iter().enumerate() {
             action[index] = if self.position {
@@ -128,7 +128,7 @@ impl Law {
         }
     }
 
-    /// Applies the motors' speed limit, where the spec asks for it. Once per physics step.
+    /// Applies the motors' speed limit if the spec sets it. Called once per physics step.
     pub fn restrict(&self, velocity: &[f64], torque: &mut [f64]) {
         if self.speed_limited {
             for (index, drive) in self.joints.iter().enumerate() {
@@ -173,9 +173,9 @@ impl Drive {
     }
 }
 
-/// What `scale` and `std` of a position action are shares of, in rad: half of the joint's range, the error at
-/// which the servo with this gain in N m/rad gives the joint's effort limit, or an angle. A joint without a
-/// servo has no such error.
+/// The angle in rad that `scale` and `std` of a position action are relative to: half of the joint's range,
+/// the error at which the servo with this gain in N m/rad reaches the joint's effort limit, or a fixed angle.
+/// A joint without a servo has no such error.
 fn share(servo: &Position, joint: &Joint, stiffness: f64) -> f64 {
     match servo.shares_of {
         Some(SharesOf::Span(Span::EffortLimits)) if stiffness > 0.0 => joint.effort_limit / stiffness,
@@ -227,7 +227,7 @@ mod tests {
         }
     }
 
-    /// The law of an action as its author writes it, beside rate and exploration.
+    /// The law of an action with these keys, with default rate and exploration.
     fn law(keys: &str) -> Law {
         Law::new(&part::<Action>(&format!("rate = \"250 Hz\"\nstd = \"2 %\"\n{keys}")), &robot())
     }

@@ -1,7 +1,7 @@
-//! Low-level control: what happens to an action between the policy and the joints.
+//! Low-level control: from the policy's actions to joint torques.
 //!
-//! Per physics step and without allocation: the law makes torques of actions, the delay holds them back, the
-//! motor bounds them. Knows robots, no engines and no rewards.
+//! Each physics step, without allocation, the law computes torques from actions, the delay line holds them
+//! back, and the motor limits them. Depends on robots, but not on engines or rewards.
 
 pub mod delay;
 pub mod law;

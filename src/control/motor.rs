@@ -1,10 +1,10 @@
-//! The motor's speed limit: torque that would drive a joint beyond it fades away.
+//! The motor's speed limit: torque that would accelerate a joint beyond it fades out.
 
-/// Speed, in units of the limit, at which no driving torque is left.
+/// Speed, in units of the limit, at which driving torque reaches zero.
 const FADED: f64 = 1.25;
 
-/// The torque in N m that a motor gives at this joint velocity in rad/s: driving torque falls linearly from
-/// all at the limit to nothing at 1.25 times the limit; braking torque is untouched.
+/// Torque in N m that a motor delivers at this joint velocity in rad/s: driving torque falls linearly from
+/// its full value at the limit to zero at 1.25 times the limit; braking torque is unaffected.
 pub fn limited(torque: f64, velocity: f64, limit: f64) -> f64 {
     if torque * velocity <= 0.0 {
         return torque;

@@ -1,4 +1,4 @@
-//! The low-level law in words: what becomes of an action.
+//! Describes the low-level law in words, for pages and contracts.
 
 use crate::kinds::action::Action;
 use crate::kinds::action::position::{Position, SharesOf, Span, Targets};
@@ -21,7 +21,7 @@ pub fn nominal_law(action: &Action) -> String {
     format!("{}, {}", command(action), nominal_delay(action))
 }
 
-/// What becomes of an action, and how long it is held.
+/// The conversion of an action into a command, and how long it is held.
 fn command(action: &Action) -> String {
     let command = match action.servo() {
         Some(servo) => position(servo),
@@ -36,7 +36,7 @@ pub fn exploration(fields: &Table) -> Option<String> {
     let action: Action = fields.part()?;
     let reference = match action.servo().map(|servo| servo.shares_of) {
         Some(Some(SharesOf::Span(Span::EffortLimits))) => {
-            "the servo error that asks for each joint's effort limit".to_owned()
+            "the servo error that demands each joint's effort limit".to_owned()
         }
         Some(Some(SharesOf::Angle(angle))) => format!("{} rad", number(angle)),
         Some(_) => "half of each joint's range".to_owned(),
@@ -178,7 +178,7 @@ mod tests {
         );
         let fields = table(&[("action", Value::Table(action))]);
         assert!(law(&fields).is_some_and(|text| text.contains("q_default + 100 % effort_limit / K_p * a")));
-        let words = "10 % of the servo error that asks for each joint's effort limit";
+        let words = "10 % of the servo error that demands each joint's effort limit";
         assert!(exploration(&fields).is_some_and(|text| text.ends_with(words)));
     }
 }

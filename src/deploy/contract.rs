@@ -1,8 +1,8 @@
-//! The contract of an exported policy: everything that a program needs to run it, entry by entry.
+//! The contract of an exported policy: everything that a program needs to run it.
 //!
-//! All figures are SI. A reader measures the inputs in order, normalises each as
-//! `clamp((raw - offset) / scale, -clip, clip)`, runs the network, turns each output into a command
-//! `clamp(offset + scale * output, limits)` and applies the low-level law at the stated rates.
+//! All values are SI. A reader measures the inputs in order, normalises each as `clamp((raw - offset) /
+//! scale, -clip, clip)`, runs the network, turns each output into a command `clamp(offset + scale * output,
+//! limits)` and applies the low-level law at the stated rates.
 
 use serde::{Deserialize, Serialize};
 
@@ -30,32 +30,32 @@ pub struct Contract {
     pub version: u32,
     /// The robot that the policy was trained on.
     pub robot: RobotMark,
-    /// How often what happens.
+    /// Rates of measurement, policy and servo.
     pub rates: Rates,
     /// The network's inputs in order.
     pub inputs: Vec<InputEntry>,
     /// The network's outputs in order.
     pub outputs: Vec<Output>,
-    /// What becomes of the commands.
+    /// The control law that converts commands into torques.
     pub law: LowLevel,
-    /// How joint velocities are measured.
+    /// Measurement of joint velocities.
     pub filter: Filter,
-    /// How the phase moves.
+    /// Progress of the phase.
     pub phase: Phase,
-    /// How the second half of a cycle is seen in the mirror.
+    /// Mirroring of the second half of a cycle.
     pub symmetry: Symmetry,
-    /// Where the policy comes from.
+    /// Origin of the policy.
     pub provenance: Provenance,
 }
 
-/// A robot as a contract names it.
+/// The robot of a contract.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RobotMark {
     /// Its name.
     pub name: String,
-    /// BLAKE3 of all figures of its model.
+    /// BLAKE3 of all parameters of its model.
     pub digest: String,
-    /// Total mass in kg, for people.
+    /// Total mass in kg, for human readers.
     pub total_mass: f64,
     /// Names of the joints in joint order.
     pub joints: Vec<String>,
@@ -75,7 +75,7 @@ pub struct Rates {
 /// An input of the network.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InputEntry {
-    /// Its place in the vector.
+    /// Its index in the vector.
     pub index: usize,
     /// The signal (`base_roll`, `joint_position`).
     pub signal: String,
@@ -83,13 +83,13 @@ pub struct InputEntry {
     pub joint: Option<String>,
     /// SI unit of the raw value.
     pub unit: String,
-    /// How often the policy reads it, in Hz.
+    /// Rate at which the policy reads it, in Hz.
     pub rate: f64,
-    /// Raw value that becomes 0.
+    /// Raw value that is normalised to 0.
     pub offset: f64,
-    /// Raw difference that becomes 1.
+    /// Raw difference that is normalised to 1.
     pub scale: f64,
-    /// Bound of the normalised value.
+    /// Bound on the normalised value.
     pub clip: f64,
 }
 
@@ -97,22 +97,22 @@ pub struct InputEntry {
 /// measurement interval, then `y += share * (x - y)` with `share = dt / (1 / (2 pi f) + dt)`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Filter {
-    /// Cut-off frequency f in Hz; `None` is no filter.
+    /// Cut-off frequency f in Hz; `None` is without a filter.
     pub low_pass: Option<f64>,
     /// The share at the measurement rate.
     pub share: f64,
 }
 
-/// How the phase moves: by `(1 + gain a) / (period * control rate)` per control step, modulo 1, where `a` is
+/// Progress of the phase: `(1 + gain a) / (period * control rate)` per control step, modulo 1, where `a` is
 /// the phase output within its limits, or 0 without one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Phase {
-    /// Duration of a cycle in s at the nominal cadence, that of the reference motion or of standing without
-    /// one. `None` only in files of earlier versions, which left out that of standing: 2 s.
+    /// Duration of a cycle in s at the nominal cadence: of the reference motion, or the default cycle of
+    /// tasks without one. `None` only in files of earlier versions, which left out the default of 2 s.
     pub period: Option<f64>,
     /// Whether the last output speeds the phase up.
     pub modulation: bool,
-    /// By how much of the nominal cadence an output of 1 does so; without this entry by all of it.
+    /// Relative increase of the cadence at an output of 1; 1 if missing.
     #[serde(default = "Phase::whole", skip_serializing_if = "Phase::is_whole")]
     pub gain: f64,
     /// Phases at which an episode may start.
@@ -129,11 +129,11 @@ impl Phase {
     }
 }
 
-/// The mirror rule.
+/// The mirroring rule.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Symmetry {
-    /// `none`, or `phase_mirror`: at phase 1/2 and beyond, the policy sees roll, yaw and the joints in the
-    /// mirror and phase - 1/2, and its joint outputs are mirrored back.
+    /// `none`, or `phase_mirror`: at phase 1/2 and beyond, the policy gets mirrored roll, yaw and joints and
+    /// phase - 1/2, and its joint outputs are mirrored back.
     pub rule: String,
     /// For each joint its mirror image and the sign of the mirrored coordinate.
     pub mirror: Vec<Image>,
@@ -150,7 +150,7 @@ pub struct Image {
     pub sign: f64,
 }
 
-/// Where a policy comes from.
+/// Origin of a policy.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
     /// Version of specforge.
@@ -162,14 +162,14 @@ pub struct Provenance {
 }
 
 impl Provenance {
-    /// This build, and the stage that the weights come from.
+    /// This build, and the stage that trained the weights.
     pub fn of_build(learner: Option<String>) -> Self {
         let (version, commit) = (env!("CARGO_PKG_VERSION").into(), env!("SPECFORGE_COMMIT").into());
         Self { version, commit, learner }
     }
 }
 
-/// BLAKE3 of all figures of a robot model, as hex.
+/// BLAKE3 of all parameters of a robot model, as hex.
 pub fn robot_digest(robot: &Robot) -> String {
     let text = serde_json::to_string(robot).expect("a robot is plain data");
     blake3::hash(text.as_bytes()).to_hex().to_string()
@@ -203,8 +203,8 @@ impl Contract {
         }
     }
 
-    /// The first entry in which two contracts demand different things, for a message; `None` if they
-    /// agree in everything but provenance and the robot's figures.
+    /// The first difference between the demands of two contracts, for a message; `None` if they agree in
+    /// everything except provenance and the robot's parameters.
     pub fn difference(&self, other: &Self) -> Option<String> {
         let parts = [
             ("version", same(&self.version, &other.version)),
@@ -226,7 +226,7 @@ impl Contract {
 }
 
 impl RobotMark {
-    /// The mark of a robot.
+    /// The identification of a robot.
     pub fn of(robot: &Robot) -> Self {
         Self {
             name: robot.name.clone(),
@@ -281,13 +281,13 @@ fn starts(fields: Section) -> Vec<f64> {
     initial.and_then(|initial| initial.value(DefaultPose::phases)).unwrap_or_else(|| vec![0.0])
 }
 
-/// `None` when equal, else both values.
+/// `None` if equal, otherwise both values.
 fn same<T: PartialEq + Serialize>(one: &T, other: &T) -> Option<String> {
     let text = |value: &T| serde_json::to_string(value).unwrap_or_default();
     (one != other).then(|| format!("{} against {}", text(one), text(other)))
 }
 
-/// The first place in which two lists differ.
+/// The first difference between two lists.
 fn entry<T: PartialEq + Serialize>(name: &str, one: &[T], other: &[T]) -> Option<String> {
     let mut pairs = one.iter().zip(other).enumerate();
     pairs.find_map(|(index, (one, other))| same(one, other).map(|text| format!("{name} {index}: {text}")))

@@ -1,8 +1,8 @@
-//! Whether decoded fields that were read from a file are those of this edition: every key that a descriptor
-//! promises, with a value of its type within its bounds, and none besides.
+//! Checks decoded fields that were read from a file against this version's descriptors: every key must be
+//! present, with a value of its type within its bounds, and no others.
 //!
-//! A spec is decoded; a policy's fields were decoded when it was exported, by what may have been another
-//! version of specforge with other keys.
+//! A spec is decoded by this version; a policy's fields were decoded when it was exported, possibly by
+//! another version of specforge with other keys.
 
 use crate::kinds::vocabulary::vocabulary;
 use crate::spec::{Kind, Param, Presence, Section, Shape, Table, Ty, Value, bounds};
@@ -11,7 +11,7 @@ use crate::spec::{Kind, Param, Presence, Section, Shape, Table, Ty, Value, bound
 const SECTIONS: [&str; 9] =
     ["physics", "terrain", "task", "initial", "observe", "reward", "terminate", "randomize", "action"];
 
-/// The first place in which the fields of an environment are not those of this edition; `None` when all are.
+/// The first place in which the fields of an environment do not match this version; `None` if they all match.
 pub fn misfit(fields: &Table) -> Option<String> {
     let vocabulary = vocabulary();
     let mut sections =
@@ -21,7 +21,7 @@ pub fn misfit(fields: &Table) -> Option<String> {
         (Some(Value::Table(table)), Shape::Plain(params)) => keys(table, &[params], name, &[]),
         (Some(Value::Table(table)), Shape::Kind(kinds)) => of_kind(table, kinds, &[], (name, None)),
         (Some(Value::Table(table)), Shape::Terms(kinds, extra)) => terms(table, kinds, extra, name),
-        _ => Some(format!("`{name}` is no table")),
+        _ => Some(format!("`{name}` is not a table")),
     })
 }
 
@@ -31,12 +31,12 @@ fn terms(table: &Table, kinds: &[&'static Kind], extra: &'static [Param], path: 
         let path = format!("{path}.{term}");
         match value {
             Value::Table(table) => of_kind(table, kinds, extra, (&path, Some(term))),
-            _ => Some(format!("`{path}` is no table")),
+            _ => Some(format!("`{path}` is not a table")),
         }
     })
 }
 
-/// A table of a kind, which without the key `kind` is its own name.
+/// A table of a kind; without the key `kind`, its name is the kind.
 fn of_kind(
     table: &Table,
     kinds: &[&'static Kind],
@@ -48,7 +48,7 @@ fn of_kind(
     };
     match kinds.iter().find(|kind| kind.name == word) {
         Some(kind) => keys(table, &[kind.params, extra], path, &["kind"]),
-        None => Some(format!("`{path}` is of the kind `{word}`, which is not known here")),
+        None => Some(format!("`{path}` has the unknown kind `{word}`")),
     }
 }
 
@@ -58,7 +58,7 @@ fn keys(table: &Table, params: &[&'static [Param]], path: &str, reserved: &[&str
         .keys()
         .find(|key| !reserved.contains(&key.as_str()) && known().all(|param| param.name != **key));
     if let Some(key) = foreign {
-        return Some(format!("`{path}.{key}` is not known here"));
+        return Some(format!("`{path}.{key}` is unknown"));
     }
     known().find_map(|param| match (table.get(param.name), param.presence) {
         (None, Presence::Optional) => None,
@@ -67,13 +67,13 @@ fn keys(table: &Table, params: &[&'static [Param]], path: &str, reserved: &[&str
     })
 }
 
-/// What is wrong with the value of a key: its type, or a number out of bounds.
+/// What is wrong with the value of a key: a wrong type, or a number out of bounds.
 fn of_key(param: &Param, value: &Value, path: &str) -> Option<String> {
     let violation = || bounds::violation(param, value).map(|what| format!("`{path}` {what}"));
     of_type(&param.ty, value, path).or_else(violation)
 }
 
-/// Why a value is not what decoding makes of a type; `None` when it is.
+/// Why a value does not have the decoded form of a type; `None` if it has.
 fn of_type(ty: &Ty, value: &Value, path: &str) -> Option<String> {
     match (ty, value) {
         (Ty::Flag, Value::Flag(_)) | (Ty::Count, Value::Count(_)) | (Ty::Text, Value::Text(_)) => None,
@@ -102,7 +102,7 @@ fn of_type(ty: &Ty, value: &Value, path: &str) -> Option<String> {
 }
 
 fn foreign(path: &str) -> String {
-    format!("`{path}` is of another type")
+    format!("`{path}` has the wrong type")
 }
 
 #[cfg(test)]
@@ -146,19 +146,19 @@ mod tests {
         assert_eq!(changed("action", |table| drop(table.remove("delay"))), "`action.delay` is missing");
         assert_eq!(
             changed("action", |table| drop(table.insert("new".into(), Value::Flag(true)))),
-            "`action.new` is not known here"
+            "`action.new` is unknown"
         );
         assert_eq!(
             changed("task", |table| drop(table.insert("episode".into(), Value::Flag(true)))),
-            "`task.episode` is of another type"
+            "`task.episode` has the wrong type"
         );
         let infinite = |table: &mut Table| {
             table.insert("rate".into(), Value::Quantity(Quantity { si: f64::NAN, text: String::new() }));
         };
-        assert_eq!(changed("physics", infinite), "`physics.rate` is of another type");
+        assert_eq!(changed("physics", infinite), "`physics.rate` has the wrong type");
         assert_eq!(
             changed("reward", |table| drop(table.insert("smile".into(), Value::Table(Table::new())))),
-            "`reward.smile` is of the kind `smile`, which is not known here"
+            "`reward.smile` has the unknown kind `smile`"
         );
         let number = |key: &'static str, si: f64| {
             move |table: &mut Table| {

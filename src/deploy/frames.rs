@@ -1,14 +1,15 @@
-//! A reference motion as tensors of a policy's file: a row per sample, in f64, so that not a bit is lost.
+//! A reference motion as tensors of a policy's file: one row per sample, in f64, so that it is stored
+//! exactly.
 //!
 //! A signal that is the same in every sample has one row.
 
 use crate::kinds::motion::{Frame, Motion};
 use crate::learn::file::Doubles;
 
-/// Where the tensors' names begin.
+/// Prefix of the tensors' names.
 const PREFIX: &str = "motion";
 
-/// A signal of a frame: its name, and its numbers in a frame.
+/// A signal of a motion: its name, and its values in a frame.
 type Signal = (&'static str, fn(&Frame) -> Vec<f64>);
 
 const SIGNALS: [Signal; 9] = [
@@ -38,7 +39,7 @@ pub fn tensors(motion: &Motion) -> Doubles {
     tensors
 }
 
-/// The samples of a motion from tensors; the error names the tensor that is missing or has another shape.
+/// The samples of a motion from tensors; the error names the tensor that is missing or has the wrong shape.
 pub fn samples(tensors: &Doubles, joints: usize) -> Result<Vec<Frame>, String> {
     let count = signal(tensors, "contact", 2, None)?.len();
     let rows = |name: &str, width: usize| signal(tensors, name, width, Some(count));
@@ -64,7 +65,7 @@ pub fn samples(tensors: &Doubles, joints: usize) -> Result<Vec<Frame>, String> {
     Ok((0..count).map(frame).collect())
 }
 
-/// The rows of a signal; with `count`, that many or one.
+/// The rows of a signal; with `count`, the signal has that many rows or one.
 fn signal<'a>(
     tensors: &'a Doubles,
     name: &str,
@@ -108,7 +109,7 @@ mod tests {
             let motion = motion(name);
             let tensors = tensors(&motion);
             assert_eq!(samples(&tensors, 12).unwrap(), motion.samples, "{name}");
-            // None of the closed forms turns the base, so its rate needs no row per sample.
+            // None of the closed-form motions rotates the base, so its rate needs a single row.
             assert!(name == "run_clip" || tensors["motion.base_rate"].0 == [1, 3], "{name}");
         }
     }

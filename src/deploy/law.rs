@@ -1,4 +1,4 @@
-//! The low-level law as a contract states it: what becomes of the network's outputs.
+//! The low-level law in a contract: how the network's outputs become torques.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,7 @@ use crate::robot::Robot;
 /// An output of the network; its command is `clamp(offset + scale * output, limits)`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Output {
-    /// Its place in the vector.
+    /// Its index in the vector.
     pub index: usize,
     /// `torque`, `position` or `phase_advance`.
     pub command: String,
@@ -17,7 +17,7 @@ pub struct Output {
     pub joint: Option<String>,
     /// SI unit of the command.
     pub unit: String,
-    /// Command of an output of 0.
+    /// Command for an output of 0.
     pub offset: f64,
     /// Change of the command per unit of the output.
     pub scale: f64,
@@ -30,7 +30,7 @@ pub struct Output {
 pub struct LowLevel {
     /// `torque` or `position`.
     pub kind: String,
-    /// The law in one line, for people.
+    /// The law in one line, for human readers.
     pub sentence: String,
     /// Proportional gains in N m/rad by joint; empty under torque control.
     pub stiffness: Vec<f64>,
@@ -42,8 +42,8 @@ pub struct LowLevel {
     pub delay: f64,
     /// Rate of the position servo in Hz, under position control.
     pub servo_rate: Option<f64>,
-    /// Joint speeds in rad/s from which torque that drives a joint faster fades, to zero at 1.25 times that;
-    /// empty where the motors are not limited so.
+    /// Joint speeds in rad/s at which torque that accelerates the joint begins to fade, to zero at 1.25 times
+    /// that speed; empty if the motors have no such limit.
     pub speed_limits: Vec<f64>,
 }
 

@@ -1,6 +1,6 @@
 //! Deployment: the exported policy with its contract, and transfer to another engine.
 //!
-//! A policy leaves the program as one file that stands for itself ([`policy`]); whoever runs it obeys the
+//! An exported policy is one self-contained file ([`policy`]); programs that run it must follow the
 //! [`contract`] in it.
 
 pub mod contract;

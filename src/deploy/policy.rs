@@ -1,8 +1,8 @@
 //! The policy artefact: `policy.safetensors` with the actor's weights, its contract and its blueprint.
 //!
-//! The file stands for itself: weights, normalisation and law are read from it and from nowhere else.
-//! What does not agree with itself, with this edition's keys or with the robot it meets is refused.
-//! The blueprint lies in the header, the samples of its motion beside the weights as `motion.*` in f64.
+//! The file is self-contained: weights, normalisation and law are read from it alone. A file that contradicts
+//! itself, this version's keys or the given robot is refused. The blueprint is in the header, and the samples
+//! of its motion are stored next to the weights as `motion.*` in f64.
 
 use super::contract::{Contract, Provenance, VERSION, robot_digest};
 use super::{fields, frames};
@@ -14,7 +14,7 @@ use crate::learn::file::{self, Doubles, Tensors};
 use crate::learn::network::{Activation, Network};
 use crate::robot::Robot;
 
-/// A policy with what is needed to run it.
+/// A policy with everything that is needed to run it.
 #[derive(Clone, Debug)]
 pub struct Policy {
     /// The actor.
@@ -25,12 +25,12 @@ pub struct Policy {
     pub blueprint: Blueprint,
 }
 
-/// What vouches for the bytes of a policy's file.
+/// What guarantees that a policy's file is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trust {
-    /// Its own digest, over all that is in it.
+    /// Its own digest, over its whole content.
     Digest,
-    /// The manifest that it lies beside in the store; a digest of its own must fit as well, where it has one.
+    /// The manifest of its store folder; if the file has a digest, that must match as well.
     Store,
     /// The user.
     User,
@@ -39,8 +39,8 @@ pub enum Trust {
 /// Why a policy cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum PolicyError {
-    /// The file is none of ours.
-    #[error("the file is no policy of specforge: {0}")]
+    /// Not a policy of specforge.
+    #[error("the file is not a policy of specforge: {0}")]
     Format(String),
     /// The network has other inputs or outputs than the contract (E0502).
     #[error("the contract lists {expected} {side}, the network has {found}")]
@@ -52,29 +52,29 @@ pub enum PolicyError {
         /// Width of the network.
         found: usize,
     },
-    /// The contract and what it meets demand different things (R0002).
+    /// The contract does not fit the robot or environment (R0002).
     #[error("the policy's contract does not fit: {0}")]
     Contract(String),
-    /// A weight is not a number (R0001).
+    /// A weight is NaN or infinite (R0001).
     #[error("a weight of the policy is not a finite number")]
     NotFinite,
-    /// The file's bytes are not those that were exported (R0003).
-    #[error("the file is damaged: its content is not what its digest was made of")]
+    /// The file was changed after the export (R0003).
+    #[error("the file is damaged: its content does not match its digest")]
     Digest,
-    /// Nothing in the file says whether it is as it was exported (R0008).
-    #[error("{0}, so nothing says whether it is as it was exported")]
+    /// Nothing in the file shows whether it was changed after the export (R0008).
+    #[error("{0}, so it is unknown whether it was changed after the export")]
     Unsealed(&'static str),
     /// A number of its contract or environment is not finite (R0007).
     #[error("the policy cannot be written: {0}")]
     Number(#[from] NotFinite),
-    /// The contract has another layout than this version of specforge reads (R0002).
-    #[error("its contract has version {found} of the layout, this specforge reads version {VERSION}")]
+    /// The contract has another layout version than this specforge supports (R0002).
+    #[error("its contract has layout version {found}, this specforge supports version {VERSION}")]
     Version {
-        /// Of the file.
+        /// Version in the file.
         found: u64,
     },
-    /// The environment in it has other keys than this edition (R0002).
-    #[error("it was exported by another version of specforge: of its environment, {0}")]
+    /// Its environment has other keys than this version (R0002).
+    #[error("it was exported by another version of specforge: in its environment, {0}")]
     Fields(String),
     /// The environment in it cannot be built (R0002).
     #[error("the environment in it cannot be built: {0}")]
@@ -98,7 +98,7 @@ impl PolicyError {
         }
     }
 
-    /// What to do about it.
+    /// How to fix it.
     pub fn help(&self) -> &'static str {
         match self {
             Self::Format(_) => "name a `policy.safetensors` that `deploy.policy` wrote",
@@ -108,15 +108,15 @@ impl PolicyError {
             }
             Self::NotFinite => "train it again with a smaller learning rate",
             Self::Digest => {
-                "copy or check it out again, or export it anew with `specforge run SPEC`; `evaluate --trust` \
+                "copy or check it out again, or export it with `specforge run SPEC`; `evaluate --trust` \
                  runs it as it is"
             }
             Self::Unsealed(_) => {
-                "export it anew with `specforge run SPEC`; `evaluate --trust` runs it as it is"
+                "export it again with `specforge run SPEC`; `evaluate --trust` runs it nevertheless"
             }
             Self::Number(_) => "see `specforge explain R0007`",
             Self::Version { .. } | Self::Fields(_) | Self::Blueprint(_) => {
-                "export it anew with this specforge (`specforge run SPEC`), or use the version that wrote it"
+                "export it again with this specforge (`specforge run SPEC`), or use the version that wrote it"
             }
         }
     }
@@ -158,7 +158,7 @@ impl Policy {
         Self::trusted(bytes, Trust::Digest)
     }
 
-    /// The same, when something else vouches for the bytes.
+    /// As [`Policy::from_bytes`], with another guarantee for the bytes.
     pub fn trusted(bytes: &[u8], trust: Trust) -> Result<Self, PolicyError> {
         let format = |error: &dyn std::fmt::Display| PolicyError::Format(error.to_string());
         let (tensors, samples, header) = file::read_with(bytes).map_err(|error| format(&error))?;
@@ -200,7 +200,7 @@ impl Policy {
         Ok(policy)
     }
 
-    /// Refuses a robot that is not the one the policy was trained on.
+    /// Refuses a robot other than the one that the policy was trained on.
     pub fn check_robot(&self, robot: &Robot) -> Result<(), PolicyError> {
         let digest = robot_digest(robot);
         if digest == self.contract.robot.digest {
@@ -237,15 +237,15 @@ impl Policy {
     }
 }
 
-/// What the digest of a file says.
+/// Result of checking a file's digest.
 enum Seal {
-    /// It fits and covers everything.
+    /// It matches and covers everything.
     Whole,
-    /// It fits, and is that of a version whose digest did not cover the activation.
+    /// It matches, and is of a version whose digest did not cover the activation.
     Partial,
-    /// There is none; the first exports had none.
+    /// The file has none, as the first exports.
     Missing,
-    /// It does not fit.
+    /// It does not match.
     Broken,
 }
 
@@ -260,7 +260,7 @@ impl Seal {
     }
 }
 
-/// Digests of the committed policies of before the digest covered the activation, which is `relu` in all of
+/// Digests of the committed policies from before the digest covered the activation, which is `relu` in all of
 /// them.
 const KNOWN: [&str; 4] = [
     "6e1291d62109dfbaec763f0d59ceb634484e19ecccf9aec8d4f14697a2d9e1fe",
@@ -273,7 +273,7 @@ fn is_known(digest: Option<&str>) -> bool {
     digest.is_some_and(|digest| KNOWN.contains(&digest))
 }
 
-/// Refuses a contract of another layout, before anything else of it is read.
+/// Refuses a contract with another layout before reading anything else of it.
 fn check_version(contract: &str) -> Result<(), PolicyError> {
     let value: serde_json::Value =
         serde_json::from_str(contract).map_err(|error| PolicyError::Format(error.to_string()))?;
@@ -319,7 +319,7 @@ mod tests {
     use super::*;
     use crate::spec::{Quantity, Value};
 
-    /// The policies that lie beside the reports.
+    /// The policies next to the reports.
     fn committed() -> Vec<Vec<u8>> {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/reports/policies");
         let mut paths: Vec<_> =
@@ -329,10 +329,12 @@ mod tests {
         paths.iter().map(|path| std::fs::read(path).unwrap()).collect()
     }
 
-    /// The file with something else in its header.
+    /// The file with a replaced text in its header.
     fn changed(bytes: &[u8], from: &str, to: &str) -> Vec<u8> {
-        let place =
-            bytes.windows(from.len()).position(|window| window == from.as_bytes()).expect("it stands there");
+        let place = bytes
+            .windows(from.len())
+            .position(|window| window == from.as_bytes())
+            .expect("it is in the file");
         let mut changed = [&bytes[..place], to.as_bytes(), &bytes[place + from.len()..]].concat();
         let length = u64::from_le_bytes(bytes[..8].try_into().unwrap()) + (to.len() - from.len()) as u64;
         changed[..8].copy_from_slice(&length.to_le_bytes());
@@ -346,7 +348,7 @@ mod tests {
         committed.iter().for_each(|bytes| drop(Policy::from_bytes(bytes).unwrap()));
     }
 
-    /// The file with other texts in its header, as they are.
+    /// The file with changed header texts and a matching digest.
     fn resealed(bytes: &[u8], change: impl Fn(&mut std::collections::BTreeMap<String, String>)) -> Vec<u8> {
         let (tensors, samples, mut header) = file::read_with(bytes).unwrap();
         change(&mut header);
@@ -370,7 +372,7 @@ mod tests {
             assert_eq!(Policy::trusted(&other, Trust::Store).unwrap_err().code(), "R0003");
             let empty = resealed(&bytes, |header| drop(header.insert("digest".into(), String::new())));
             refused(&empty, "R0003");
-            // Of the first digests only those that are known cover the activation.
+            // Of the first digests, only the known ones cover the activation.
             let tanh =
                 resealed(&bytes, |header| drop(header.insert("actor.activation".into(), "tanh".into())));
             let code = Policy::from_bytes(&tanh).unwrap_err().code();
@@ -451,7 +453,7 @@ mod tests {
         let tanh = changed(&bytes, &activation("relu"), &activation("tanh"));
         let error = Policy::from_bytes(&tanh).unwrap_err();
         assert!(matches!(error, PolicyError::Digest) && error.code() == "R0003", "{error}");
-        // The same numbers, the biases of a layer as one row of them.
+        // The same numbers, with the biases of a layer as a row.
         let width = policy.network.layers[0].outputs;
         let row = changed(&bytes, &format!("\"shape\":[{width}]"), &format!("\"shape\":[1,{width}]"));
         assert!(matches!(Policy::from_bytes(&row), Err(PolicyError::Digest)));

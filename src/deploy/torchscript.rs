@@ -1,6 +1,6 @@
-//! The export format `torchscript`: the actor as `policy.pt`, for programs that run policies by libtorch.
-//! Needs a build with the feature `torch`; the contract lies beside it, because a TorchScript module has no
-//! place for it.
+//! The export format `torchscript`: the actor as `policy.pt`, for programs that run policies with libtorch.
+//! Needs a build with the feature `torch`. The contract is a separate file, because a TorchScript module
+//! cannot hold it.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ pub const FILE: &str = "policy.pt";
 /// Whether this build can write it.
 pub const AVAILABLE: bool = cfg!(feature = "torch");
 
-/// Writes the actor. The error is libtorch's own, or that this build has none.
+/// Writes the actor. The error is libtorch's, or says that this build lacks libtorch.
 pub fn save(actor: &Network, path: &Path) -> Result<(), String> {
     #[cfg(feature = "torch")]
     return crate::learn::backend::torch::script::save(actor, path).map_err(|error| error.to_string());

@@ -18,9 +18,9 @@ pub struct Transfer {
     pub engine: String,
     /// Physics rate in Hz.
     pub rate: f64,
-    /// Time constant of soft contacts in s; `None` is the engine's own.
+    /// Time constant of soft contacts in s; `None` is the engine's default.
     pub contact_time: Option<f64>,
-    /// What is run.
+    /// The protocol of the evaluation.
     pub protocol: Protocol,
 }
 
@@ -32,8 +32,8 @@ impl Transfer {
         Self { engine, rate: keys.rate, contact_time: keys.contact_time, protocol }
     }
 
-    /// Runs the policy in the engine on up to `threads` threads. Only the artefact is read: its weights, its
-    /// normalisation, its law, its robot.
+    /// Runs the policy in the engine on up to `threads` threads. Weights, normalisation, law and robot come
+    /// from the artefact alone.
     pub fn run(
         &self,
         policy: &Policy,

@@ -11,7 +11,7 @@ pub fn yaw([w, x, y, z]: [f64; 4]) -> f64 {
     libm::atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 }
 
-/// A vector turned about z by an angle in rad.
+/// A vector rotated about z by an angle in rad.
 pub fn turned([x, y, z]: [f64; 3], angle: f64) -> [f64; 3] {
     let (sine, cosine) = libm::sincos(angle);
     [cosine * x - sine * y, sine * x + cosine * y, z]

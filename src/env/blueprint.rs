@@ -22,12 +22,12 @@ use crate::sim::EngineError;
 use crate::spec::typed::{InSection, Part};
 use crate::spec::{Quantity, Section, Table, Value};
 
-/// Standard deviation of the phase action: a tenth of its range, as the authors have it.
+/// Standard deviation of the phase action: a tenth of its range, as in the authors' code.
 const PHASE_DEVIATION: f64 = 0.1;
 /// Largest difference in rad between a motion and its mirror image half a cycle later.
 const MIRROR_TOLERANCE: f64 = 1e-3;
 
-/// Everything that defines an environment but the engine: the artefact of the stage `env`.
+/// Everything that defines an environment except the engine: the artefact of the stage `env`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Blueprint {
     /// The decoded fields `physics terrain task initial observe reward terminate randomize action learn`,
@@ -39,7 +39,7 @@ pub struct Blueprint {
     pub motion: Option<Motion>,
 }
 
-/// A blueprint that cannot be built.
+/// Why a blueprint cannot be built.
 #[derive(Debug, thiserror::Error)]
 pub enum BlueprintError {
     /// A section is missing.
@@ -76,10 +76,10 @@ pub enum BlueprintError {
         /// Largest difference of a joint in rad.
         difference: f64,
     },
-    /// The ground is a height field of a size that cannot be made.
+    /// The ground is a height field of an impossible size.
     #[error(transparent)]
     Field(#[from] SizeError),
-    /// The motion has numbers that no robot can follow.
+    /// The motion has values that no robot can follow.
     #[error("the motion `{motion}` cannot be followed: {flaw}")]
     Motion {
         /// Name of the motion.
@@ -87,7 +87,7 @@ pub enum BlueprintError {
         /// What is wrong with it.
         flaw: String,
     },
-    /// The engine refused.
+    /// The engine refused the environment.
     #[error(transparent)]
     Engine(#[from] EngineError),
 }
@@ -100,7 +100,7 @@ impl Blueprint {
         Ok(blueprint)
     }
 
-    /// The same environment at another physics rate in Hz (transfer to a finer engine).
+    /// The same environment at another physics rate in Hz, for transfer to a finer engine.
     pub fn with_physics(&self, rate: f64) -> Result<Self, BlueprintError> {
         let mut blueprint = self.clone();
         if let Some(Value::Table(physics)) = blueprint.fields.get_mut("physics") {
@@ -118,12 +118,12 @@ impl Blueprint {
         Ok(blueprint)
     }
 
-    /// A section of the fields; [`Blueprint::new`] has made sure of those that every environment needs.
+    /// A section of the fields; [`Blueprint::new`] guarantees those that every environment needs.
     pub fn section(&self, name: &'static str) -> Section<'_> {
         Section::new(&self.fields).section(name).expect("checked when the blueprint was made")
     }
 
-    /// A section in Rust; [`Blueprint::new`] has made sure of those that every environment needs.
+    /// A decoded section; [`Blueprint::new`] guarantees those that every environment needs.
     pub fn part<P: Part>(&self) -> P {
         Section::new(&self.fields).part().expect("checked when the blueprint was made")
     }
@@ -143,7 +143,7 @@ impl Blueprint {
         self.action().rate()
     }
 
-    /// Name of the engine that the spec trains in.
+    /// Name of the training engine.
     pub fn engine(&self) -> &'static str {
         let section = self.section(Physics::SECTION);
         section.value(Physics::engine).unwrap_or(EngineName::Rapier).word()
@@ -154,7 +154,7 @@ impl Blueprint {
         self.part::<Task>().episode()
     }
 
-    /// Phases at which an episode may start standing, never none. Evaluations take them in turn.
+    /// Phases at which an episode may start standing, at least one. Evaluations use them in turn.
     pub fn starts(&self) -> Vec<f64> {
         let initial: Initial = self.part();
         if initial.phases().is_empty() { vec![0.0] } else { initial.phases().to_vec() }
@@ -175,8 +175,7 @@ impl Blueprint {
         self.action().phase_modulation()
     }
 
-    /// By how much a phase action of 1 speeds the phase up, as a share of the nominal cadence; `None` without
-    /// one.
+    /// Relative increase of the phase's speed at a phase action of 1; `None` without a phase action.
     pub fn phase_gain(&self) -> Option<f64> {
         let action = self.action();
         action.phase_modulation().then(|| phase_gain(&action, self.motion.as_ref()))
@@ -189,7 +188,7 @@ impl Blueprint {
         deviations
     }
 
-    /// Whether the critic sees more than the actor.
+    /// Whether the critic has privileged inputs.
     pub fn is_privileged(&self) -> bool {
         let learn = Section::new(&self.fields).within::<Ppo>();
         let critic = learn.and_then(|learn| learn.below(Ppo::value));
@@ -273,7 +272,7 @@ fn asymmetry(motion: &Motion, mirror: &[(usize, f64)]) -> f64 {
     largest
 }
 
-/// The motion of a robot that stands in its default pose.
+/// The motion of a robot standing in its default pose.
 fn standing(robot: &Robot) -> Motion {
     let still = vec![0.0; robot.joints()];
     let frame = Frame {
@@ -288,16 +287,15 @@ fn standing(robot: &Robot) -> Motion {
     Motion { name: "stand".into(), period: STANDING_CYCLE, speed: 0.0, samples: vec![frame] }
 }
 
-/// Duration in s of the cycle in which the phase moves while a robot stands without a reference motion.
+/// Duration in s of the phase's cycle for a standing robot without a reference motion.
 const STANDING_CYCLE: f64 = 2.0;
 
-/// Duration of a cycle of the phase in s, with a reference motion or without.
+/// Duration of a cycle of the phase in s.
 pub fn cycle(motion: Option<&Motion>) -> f64 {
     motion.map_or(STANDING_CYCLE, |motion| motion.period)
 }
 
-/// By how much a phase action of 1 speeds the phase up, as a share of the nominal cadence: by
-/// `action.phase_action`.
+/// Relative increase of the phase's speed at a phase action of 1, from `action.phase_action`.
 pub fn phase_gain(action: &Action, motion: Option<&Motion>) -> f64 {
     let share = action.phase_action() == PhaseAction::Share;
     motion.filter(|_| share).map_or(1.0, |motion| motion.period)

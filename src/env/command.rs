@@ -4,7 +4,7 @@ use crate::kinds::task::{self, Task};
 use crate::spec::Sampler;
 use crate::stream::Stream;
 
-/// What `task.command` says.
+/// The settings of `task.command`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CommandPlan {
     speed: Sampler,
@@ -13,7 +13,7 @@ pub struct CommandPlan {
 }
 
 impl CommandPlan {
-    /// The plan of a task; without a command the speed is zero.
+    /// The plan of a task; the speed is zero without a command.
     pub fn new(task: &Task) -> Self {
         let plan = |command: &task::Command| Self {
             speed: command.speed.clone(),
@@ -23,7 +23,7 @@ impl CommandPlan {
         task.command().map_or_else(|| Self::constant(0.0), plan)
     }
 
-    /// Always this speed in m/s.
+    /// A constant speed in m/s.
     pub fn constant(speed: f64) -> Self {
         Self { speed: Sampler::Constant(speed), every: None, ramp: 0.0 }
     }
@@ -46,7 +46,7 @@ impl Command {
         Self { stream, from: speed, target: speed, since: 0.0, next: plan.every.unwrap_or(f64::INFINITY) }
     }
 
-    /// Advances to a time in s and gives the speed in m/s; times must not go back.
+    /// Advances to a time in s and returns the speed in m/s; times must not decrease.
     pub fn at(&mut self, plan: &CommandPlan, time: f64) -> f64 {
         // A nanosecond of slack: sums of control steps fall short of the interval by rounding.
         while time >= self.next - 1e-9 {

@@ -1,4 +1,4 @@
-//! Environments of one scene over the worlds of one engine: several that step together, or one alone.
+//! Environments of one scene over the worlds of one engine: several that step together, or a single one.
 
 use std::sync::Arc;
 
@@ -27,7 +27,7 @@ struct Member {
 }
 
 impl RobotCrew {
-    /// This many environments of a scene; the first call for each must be [`Crew::begin`].
+    /// `count` environments of a scene; the first call for each must be [`Crew::begin`].
     pub fn new(scene: &Arc<Scene>, count: usize) -> Self {
         let member = |_| Member {
             episode: RobotEpisode::new(scene.clone()),
@@ -41,8 +41,8 @@ impl RobotCrew {
         }
     }
 
-    /// `count` environments of a scene in crews as large as its engine advances worlds together, but so many
-    /// crews that each of the threads can have one.
+    /// `count` environments of a scene, divided into crews of the engine's group size, but into at least as
+    /// many crews as threads where possible.
     pub fn divided(scene: &Arc<Scene>, count: usize, threads: usize) -> Vec<Box<dyn Crew>> {
         let width = scene.engine.width().min(count.div_ceil(threads.max(1))).max(1);
         let sizes = (0..count).step_by(width).map(|start| width.min(count - start));
@@ -90,13 +90,13 @@ impl Crew for RobotCrew {
     }
 }
 
-/// One environment alone.
+/// A single environment.
 pub struct RobotEnvironment {
     crew: RobotCrew,
 }
 
 impl Blueprint {
-    /// One environment.
+    /// A single environment.
     pub fn environment(
         &self,
         engine: Arc<dyn Engine>,
@@ -124,7 +124,7 @@ impl RobotEnvironment {
         self.crew.outcome(0)
     }
 
-    /// What can be read of it between two control steps.
+    /// The readable state between two control steps.
     pub fn view(&self) -> &dyn View {
         self.episode()
     }
@@ -133,7 +133,7 @@ impl RobotEnvironment {
         &self.crew.members[0].episode
     }
 
-    /// The scene that it belongs to.
+    /// The scene of this environment.
     pub fn scene(&self) -> &Scene {
         self.episode().scene()
     }
@@ -149,7 +149,7 @@ impl RobotEnvironment {
         self.episode().torque()
     }
 
-    /// What kinds see of the world after the last control step.
+    /// Signals for the kinds, after the last control step.
     pub fn signals(&self) -> Signals<'_> {
         self.episode().signals()
     }

@@ -35,8 +35,8 @@ impl Encoder {
         }
     }
 
-    /// Starts an episode: joint positions in rad and velocities in rad/s, the velocities that the filter
-    /// shows at first, and what is added to every reading of a joint in rad.
+    /// Starts an episode: joint positions in rad and velocities in rad/s, the initial filtered velocities in
+    /// rad/s, and the constant offset of each joint's readings in rad.
     pub fn begin(
         &mut self,
         position: &[f64],
@@ -83,13 +83,13 @@ impl Encoder {
         &self.difference
     }
 
-    /// Shift of each reading in rad.
+    /// Offset of each reading in rad.
     pub fn offset(&self) -> &[f64] {
         &self.offset
     }
 
     /// Draws the noise of one reading of all joints. This runs for every joint in every physics step, so a
-    /// normal distribution takes the stream's fast numbers.
+    /// normal distribution uses the stream's fast generator.
     fn draw(&mut self) {
         match &self.noise {
             None => {}

@@ -1,4 +1,4 @@
-//! The episode of one robot without its world: everything of a control step but the physics itself.
+//! The episode of one robot without its world: everything in a control step except the physics.
 
 use std::sync::Arc;
 
@@ -20,14 +20,14 @@ use crate::robot::{GRAVITY, SelfCollision};
 use crate::sim::{EngineSettings, Seat, State};
 use crate::stream::Stream;
 
-/// The running episode of one robot of a scene. Its world is in a [`Seat`] that the caller holds, so that
+/// The running episode of one robot of a scene. Its world is in a [`Seat`] that the caller owns, so that
 /// several episodes can share an engine that advances their worlds together.
 ///
-/// A control step, in this order: the action is clipped, taken out of the mirror and made a command
-/// ([`RobotEpisode::take`]); for each physics step the servo ticks, the delay line passes and motors bound
-/// the torque ([`RobotEpisode::drive`]), the engine advances the world, and the encoders are read
-/// ([`RobotEpisode::sense`]); then time and phase advance, the command moves on, the reference follows the
-/// phase, and rewards and terminations are evaluated ([`RobotEpisode::finish`]).
+/// A control step, in this order: the action is clipped, mirrored back and converted into a command
+/// ([`RobotEpisode::take`]); for each physics step the servo runs, the torque passes the delay line and the
+/// motors limit it ([`RobotEpisode::drive`]), the engine advances the world, and the encoders are read
+/// ([`RobotEpisode::sense`]); then time, phase, command and reference advance, and rewards and terminations
+/// are evaluated ([`RobotEpisode::finish`]).
 pub(super) struct RobotEpisode {
     scene: Arc<Scene>,
     state: State,
@@ -47,14 +47,14 @@ pub(super) struct RobotEpisode {
     wanted: Vec<f64>,
     commanded: Vec<f64>,
     applied: Vec<f64>,
-    /// By how much the phase advances in the running control step.
+    /// Increment of the phase in the running control step.
     phase_step: f64,
-    /// False from the moment at which the engine refused the robot or the simulation diverged.
+    /// False once the engine refused the robot or the simulation diverged.
     intact: bool,
     now: Now,
 }
 
-/// The numbers behind [`Signals`].
+/// Values for [`Signals`].
 #[derive(Clone, Debug, Default)]
 struct Now {
     time: f64,
@@ -78,7 +78,7 @@ struct Now {
 }
 
 impl RobotEpisode {
-    /// No episode yet; the first call must be [`RobotEpisode::begin`].
+    /// A new episode; the first call must be [`RobotEpisode::begin`].
     pub fn new(scene: Arc<Scene>) -> Self {
         let joints = scene.robot.joints();
         let still = vec![0.0; joints];
@@ -113,7 +113,7 @@ impl RobotEpisode {
         }
     }
 
-    /// The scene that it belongs to.
+    /// The scene of this episode.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
@@ -129,7 +129,7 @@ impl RobotEpisode {
         &self.now.torque
     }
 
-    /// What kinds see of the world after the last control step.
+    /// Signals for the kinds, after the last control step.
     pub fn signals(&self) -> Signals<'_> {
         let (now, state) = (&self.now, &self.state);
         Signals {
@@ -160,12 +160,12 @@ impl RobotEpisode {
         }
     }
 
-    /// Standing height of the episode's robot as a share of the nominal robot's.
+    /// Standing height of the episode's robot divided by the nominal robot's.
     fn stature(&self) -> f64 {
         self.stature.as_ref().map_or(1.0, Stature::ratio)
     }
 
-    /// Takes the reference at the present phase, on the legs of the episode.
+    /// Computes the reference at the current phase, for the leg lengths of the episode's robot.
     fn refer(&mut self) {
         self.scene.motion.state_at(self.now.phase, &mut self.now.reference);
         if let Some(stature) = &mut self.stature {
@@ -185,7 +185,7 @@ impl RobotEpisode {
         };
         let start = scene.start.draw(&place, &mut Stream::new(&format!("{stream}/start")));
         let settings = EngineSettings { friction: draft.friction, ..scene.settings.clone() };
-        // An engine that refuses a drawn robot ends the episode at its first step, as exploded.
+        // If the engine refuses a drawn robot, the episode ends at its first step, as exploded.
         self.intact = seat.place(&draft.robot, &scene.terrain, &settings, &start.state).is_ok();
         self.state = start.state;
         if self.intact {
@@ -220,11 +220,11 @@ impl RobotEpisode {
         draft
     }
 
-    /// Joint velocities in rad/s as the encoders' filter shows them to a robot that has followed the
-    /// reference up to this phase: at running cadence they lag far behind the true ones.
+    /// Joint velocities in rad/s after the encoders' filter, for a robot that has followed the reference up
+    /// to this phase. At a running cadence they lag far behind the true ones.
     fn followed(&self, phase: f64) -> Vec<f64> {
         let (scene, filter) = (&self.scene, &self.scene.encoder.1);
-        // Six time constants; what came before has faded to a four-hundredth.
+        // Six time constants: earlier samples have decayed to 1/400.
         let past = (6.0 / filter.share()).ceil() as usize;
         let step = scene.settings.step / scene.motion.period;
         let mut velocity = Vec::with_capacity(scene.robot.joints());
@@ -237,7 +237,7 @@ impl RobotEpisode {
         seen
     }
 
-    /// Takes what the episode starts with from the state, the phase and the reference.
+    /// Initializes the episode from the state, the phase and the reference.
     fn settle(&mut self, phase: f64, standing: bool, weight: f64) {
         let now = &mut self.now;
         (now.time, now.phase, now.phase_step, now.standing_start) = (0.0, phase, 0.0, standing);
@@ -257,7 +257,7 @@ impl RobotEpisode {
         self.now.mean_velocity = self.now.base_velocity;
     }
 
-    /// Base height and velocities in the heading frame, from the state.
+    /// Computes base height and velocities in the heading frame from the state.
     fn look(&mut self) {
         let state = &self.state;
         let yaw = attitude::yaw(state.base_orientation);
@@ -267,8 +267,8 @@ impl RobotEpisode {
         self.now.base_height = z - self.scene.terrain.height(x, y);
     }
 
-    /// Begins a control step with the actor's (unclipped) outputs: takes them out of the mirror and makes
-    /// them a command.
+    /// Begins a control step with the actor's (unclipped) outputs: mirrors them back and converts them into a
+    /// command.
     pub fn take(&mut self, action: &[f32]) {
         let scene = &self.scene;
         for (own, given) in self.action.iter_mut().zip(action) {
@@ -287,7 +287,7 @@ impl RobotEpisode {
         self.tally.clear();
     }
 
-    /// Hands the world the torques of a physics step, the `tick`-th of the control step.
+    /// Passes the torques of a physics step, the `tick`-th of the control step, to the world.
     pub fn drive(&mut self, tick: usize, seat: &mut Seat) {
         if !self.intact {
             return;
@@ -304,7 +304,7 @@ impl RobotEpisode {
         if tick.is_multiple_of(rates.servo) && law.reads_encoders() {
             law.torque(&self.wanted, self.encoder.position(), self.encoder.difference(), &mut self.commanded);
         } else if tick.is_multiple_of(rates.servo) {
-            // The servo's readings are shifted by the offset of its encoders, without their noise.
+            // The servo's readings have the encoders' offset, but not their noise.
             for (shifted, (position, offset)) in
                 self.applied.iter_mut().zip(self.state.position.iter().zip(self.encoder.offset()))
             {
@@ -329,7 +329,7 @@ impl RobotEpisode {
         }
     }
 
-    /// Ends a control step: what it was worth, and whether the episode ends with it.
+    /// Ends a control step: returns the reward, and whether the episode ends.
     pub fn finish(&mut self) -> Step {
         if !self.intact {
             self.values.fill(0.0);
@@ -344,7 +344,7 @@ impl RobotEpisode {
         Step { reward: self.reward(), end }
     }
 
-    /// Everything after the physics: clocks, reference, forces.
+    /// Everything after the physics: time, phase, reference, forces.
     fn advance(&mut self) {
         self.steps += 1;
         let scene = Arc::clone(&self.scene);
@@ -363,7 +363,7 @@ impl RobotEpisode {
             self.guard.as_mut().is_some_and(|guard| guard.find(&self.state.position).is_some());
         self.tally.torque(&mut now.torque);
         if self.steps == 1 {
-            // Nothing was commanded before the first step: no change to punish.
+            // No command precedes the first step, so no change is penalized.
             now.previous_torque.copy_from_slice(&now.torque);
         }
         self.look();
@@ -373,13 +373,13 @@ impl RobotEpisode {
         }
     }
 
-    /// Why the episode ends here, if it does.
+    /// Why the episode ends here, or `None`.
     fn end(&mut self) -> Option<End> {
         let mut memory = std::mem::take(&mut self.memory);
         let signals = self.signals();
         let mut cause = None;
         for (index, (term, memory)) in self.scene.terminations.iter().zip(&mut memory).enumerate() {
-            // Every term sees every step, so that its memory is right.
+            // Every term sees every step, so that its state stays correct.
             if term.ends(&signals, memory) && cause.is_none() {
                 cause = Some(End::Terminated(index));
             }
@@ -388,7 +388,7 @@ impl RobotEpisode {
         cause.or((self.steps >= self.scene.rates.limit).then_some(End::TimeOut))
     }
 
-    /// Fills the term values and gives their sum.
+    /// Computes the term values and returns their sum.
     fn reward(&mut self) -> f64 {
         let mut values = std::mem::take(&mut self.values);
         let signals = self.signals();
@@ -400,8 +400,8 @@ impl RobotEpisode {
     }
 }
 
-/// The force in N that acts from one time in s to another, on average: a push that begins or ends within a
-/// physics step counts for its share of it, so that every push has its impulse.
+/// Mean force in N between two times in s: a push that begins or ends within a physics step counts in
+/// proportion, so that every push has its exact impulse.
 fn pushing(pushes: &[Push], [from, to]: [f64; 2]) -> [f64; 3] {
     pushes.iter().fold([0.0; 3], |sum, push| {
         let share = (push.end.min(to) - push.start.max(from)).max(0.0) / (to - from);

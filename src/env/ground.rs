@@ -6,7 +6,7 @@ use crate::kinds::terrain::height_field::HeightField;
 use crate::sim::Terrain;
 use crate::stream::Stream;
 
-/// The terrain that `[terrain]` describes.
+/// The engine's terrain for `[terrain]`.
 pub fn terrain(ground: &Ground) -> Terrain {
     match ground {
         Ground::BoxObstacle(obstacle) => on_the_way(obstacle),

@@ -1,4 +1,4 @@
-//! What a learner or an evaluation sees of an environment: plain numbers, no engine types.
+//! The interface of environments to learners and evaluations: plain numbers, no engine types.
 
 use serde::{Deserialize, Serialize};
 
@@ -16,20 +16,20 @@ pub struct Sizes {
 /// One output of the actor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Output {
-    /// What it moves: a joint's name, or `phase`.
+    /// The name of the joint that it moves, or `phase`.
     pub name: String,
-    /// The numbers that make a difference: what is beyond is clipped.
+    /// The effective range: values beyond it are clipped.
     pub range: [f64; 2],
-    /// Whether a good policy may leave it where it is, as it may the advance of the phase.
+    /// Whether a good policy may keep it constant, for example the phase's speed.
     pub optional: bool,
 }
 
-/// The feet after a control step, left and right.
+/// Foot contacts after a control step, left and right.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stance {
-    /// Whether each carries something.
+    /// Whether each foot carries load.
     pub feet: [bool; 2],
-    /// Whether the reference motion wants it to.
+    /// Whether the reference motion schedules its contact.
     pub reference: [bool; 2],
 }
 
@@ -40,20 +40,20 @@ pub enum End {
     Terminated(usize),
     /// At the episode's time limit: not a failure, the value of the last state is bootstrapped.
     TimeOut,
-    /// The physics left the realm of numbers (R0001).
+    /// The simulation diverged (NaN or infinity, R0001).
     Exploded,
 }
 
 /// The outcome of one control step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// The sum of the weighted reward terms.
+    /// Sum of the weighted reward terms.
     pub reward: f64,
-    /// Whether the episode ended with this step. The next call must be [`Crew::begin`].
+    /// Why the episode ended with this step, if it did. The next call must then be [`Crew::begin`].
     pub end: Option<End>,
 }
 
-/// What can be read of an environment between two control steps.
+/// The readable state of an environment between two control steps.
 pub trait View: Send {
     /// Lengths of the vectors.
     fn sizes(&self) -> Sizes;
@@ -61,7 +61,7 @@ pub trait View: Send {
     /// Writes the actor's inputs (normalised).
     fn observe(&self, observation: &mut [f32]);
 
-    /// Writes what the critic sees beyond the actor (normalised): truths of the simulator.
+    /// Writes the critic's additional inputs (normalised): ground truth of the simulator.
     fn observe_truths(&self, truths: &mut [f32]);
 
     /// Writes the critic's inputs (normalised), the actor's first.
@@ -77,39 +77,38 @@ pub trait View: Send {
     /// Weighted value of each reward term in the last step.
     fn term_values(&self) -> &[f64];
 
-    /// The least and the greatest weighted value that each reward term can have; infinite where there is no
-    /// bound.
+    /// Range of each weighted reward term; infinite where it is unbounded.
     fn term_ranges(&self) -> &[[f64; 2]];
 
     /// The outputs of the actor, in order.
     fn outputs(&self) -> &[Output];
 
-    /// The feet after the last step; `None` for what does not stand on two.
+    /// The foot contacts after the last step; `None` for robots without two feet.
     fn stance(&self) -> Option<Stance>;
 
     /// Names of the terminations.
     fn causes(&self) -> &[String];
 }
 
-/// Environments that step together, because their engine advances several worlds at once, or one alone.
+/// Environments that step together because their engine advances several worlds at once, or a single one.
 /// Deterministic: the same stream name and the same actions give the same numbers, bit for bit, whatever
-/// happened before `begin` and whichever other environments step along.
+/// happened before `begin` and whatever the other environments do.
 pub trait Crew: Send {
     /// Number of environments, at least one.
     fn count(&self) -> usize;
 
-    /// What can be read of one of them.
+    /// The readable state of one of them.
     fn view(&self, index: usize) -> &dyn View;
 
-    /// Starts an episode in one of them; all its randomness comes from the stream of this name
+    /// Starts an episode in one of them; all its randomness comes from the stream with this name
     /// (`1/train/env/17/episode/42`).
     fn begin(&mut self, index: usize, stream: &str);
 
-    /// Hands one of them the actor's (unclipped) outputs for its next control step.
+    /// Sets the actor's (unclipped) outputs for the next control step of one of them.
     fn act(&mut self, index: usize, action: &[f32]);
 
-    /// Advances one control step each environment that was handed outputs since the last call; the others
-    /// wait.
+    /// Advances by one control step each environment whose outputs were set since the last call; the others
+    /// do not change.
     fn step(&mut self);
 
     /// The outcome of the last control step of one of them.

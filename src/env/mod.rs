@@ -1,7 +1,7 @@
 //! Environments: an episode of one robot under one policy.
 //!
-//! A [`Blueprint`] is what the spec says, a [`Scene`] that compiled for one engine, a [`RobotEnvironment`]
-//! one running robot in it, and a [`RobotCrew`] several that step together.
+//! A [`Blueprint`] is the environment of a spec, a [`Scene`] is a blueprint compiled for one engine, a
+//! [`RobotEnvironment`] is one running robot in it, and a [`RobotCrew`] is several that step together.
 
 pub mod attitude;
 pub mod blueprint;

@@ -1,5 +1,5 @@
-//! The policy's inputs: their layout, normalisation and mirroring. Training, pre-training, evaluation, export
-//! and transfer all go through here.
+//! The policy's inputs: their layout, normalisation and mirroring. Used by training, pre-training,
+//! evaluation, export and transfer.
 
 use crate::kinds::learn::Ppo;
 use crate::kinds::learn::ppo::Symmetry;
@@ -9,11 +9,11 @@ use crate::kinds::task::Task;
 use crate::robot::Robot;
 use crate::spec::{Section, Table};
 
-/// The compiled `[observe]` section of one robot.
+/// The compiled `[observe]` section for one robot.
 ///
-/// With `learn.symmetry = "phase_mirror"`, readings whose phase is 1/2 or more are seen in the mirror (the
-/// plane y = 0): roll and yaw change sign, joints change sides, and the phase shown is phase - 1/2. Actions
-/// given on such readings are mirrored back by [`Observation::reflect`].
+/// With `learn.symmetry = "phase_mirror"`, readings with a phase of 1/2 or more are mirrored at the plane y =
+/// 0: roll and yaw change sign, left and right joints are exchanged, and the observed phase is phase - 1/2.
+/// Actions for such readings are mirrored back by [`Observation::reflect`].
 #[derive(Clone, Debug)]
 pub struct Observation {
     inputs: Vec<Input>,
@@ -22,7 +22,7 @@ pub struct Observation {
     mirrored: bool,
 }
 
-/// Where a number of the vector comes from.
+/// Source of a number in the vector.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     read: fn(&Readings, usize) -> f64,
@@ -63,12 +63,12 @@ impl Observation {
         self.places.len()
     }
 
-    /// Whether the policy sees nothing at all.
+    /// Whether the policy has no inputs.
     pub fn is_empty(&self) -> bool {
         self.places.is_empty()
     }
 
-    /// Whether readings at this phase are seen in the mirror.
+    /// Whether readings at this phase are mirrored.
     pub fn reflects(&self, phase: f64) -> bool {
         self.mirrored && phase >= 0.5
     }
@@ -78,7 +78,7 @@ impl Observation {
         self.mirrored
     }
 
-    /// Writes the normalised inputs of readings as they were measured (`mirror: None`).
+    /// Writes the normalised inputs for readings as measured (`mirror: None`).
     pub fn write(&self, readings: &Readings, vector: &mut [f32]) {
         let mut seen = *readings;
         if self.reflects(readings.phase) {
@@ -93,8 +93,8 @@ impl Observation {
         }
     }
 
-    /// Takes an action given on a mirrored observation back to the robot's own sides, in place; the same
-    /// call takes a robot's action into the mirror. Numbers beyond the joints (the phase action) stay.
+    /// Mirrors an action for a mirrored observation back to the robot's own sides, in place; the same call
+    /// mirrors a robot's action. Numbers after the joints (the phase action) are unchanged.
     pub fn reflect<T: Copy + std::ops::Mul<Output = T> + From<f32>>(&self, action: &mut [T]) {
         for (joint, &(image, sign)) in self.mirror.iter().enumerate() {
             let sign = T::from(sign as f32);
@@ -108,7 +108,7 @@ impl Observation {
     }
 }
 
-/// The number the policy sees; a number that is not finite shows as zero.
+/// A normalised input; a number that is not finite becomes zero.
 pub(super) fn normalised(raw: f64, offset: f64, scale: f64, clip: f64) -> f32 {
     let number = ((raw - offset) / scale).clamp(-clip, clip);
     if number.is_finite() { number as f32 } else { 0.0 }

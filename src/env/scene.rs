@@ -1,4 +1,4 @@
-//! A blueprint compiled for one engine: what all environments of a training or an evaluation share.
+//! A blueprint compiled for one engine, shared by all environments of a training or an evaluation.
 
 use std::sync::Arc;
 
@@ -50,30 +50,31 @@ pub struct Scene {
     pub(super) terminations: Vec<Box<dyn Termination>>,
     pub(super) causes: Vec<String>,
     pub(super) schedule: Option<usize>,
-    /// Pairs of bodies that may not meet, where a term or a trial looks at them.
+    /// Pairs of bodies checked for self-collision, if a term or an evaluation uses them.
     pub(super) guarded: Option<Vec<Pair>>,
     pub(super) randomizations: Vec<(String, Box<dyn Randomization>)>,
 }
 
-/// The clocks of an environment, in physics steps.
+/// Periods of an environment, in physics steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Rates {
     /// Physics steps per control step.
     pub control: usize,
-    /// Physics steps per tick of the servo.
+    /// Physics steps per servo step.
     pub servo: usize,
-    /// Nominal action delay in physics steps, of which fractions count.
+    /// Nominal action delay in physics steps, which may be fractional.
     pub delay: f64,
     /// Duration of a control step in s.
     pub step: f64,
     /// Control steps of an episode.
     pub limit: u64,
-    /// By how much the last action, where it is 1, speeds the phase up; `None` when it moves a joint.
+    /// Relative increase of the phase's speed when the last action is 1; `None` if the last action moves a
+    /// joint.
     pub modulation: Option<f64>,
 }
 
 impl Blueprint {
-    /// The environment compiled for an engine; environments of one scene share everything that does not
+    /// Compiles the environment for an engine; environments of one scene share everything that does not
     /// change.
     pub fn scene(&self, engine: Arc<dyn Engine>, mode: &Mode) -> Result<Arc<Scene>, BlueprintError> {
         self.check()?;
@@ -154,7 +155,7 @@ impl Scene {
         &self.robot
     }
 
-    /// The pairs of bodies that may not meet, where something looks at them.
+    /// Pairs of bodies checked for self-collision, if anything uses them.
     pub fn guarded(&self) -> Option<&[Pair]> {
         self.guarded.as_deref()
     }
@@ -188,7 +189,7 @@ fn rewards(section: Section) -> Rewards {
     (rewards, names)
 }
 
-/// The outputs of the actor: the law's, and the advance of the phase where the spec has it.
+/// The outputs of the actor: those of the control law, and the phase's speed if the spec has a phase action.
 fn outputs(blueprint: &Blueprint) -> Vec<Output> {
     let (law, names) = (blueprint.law(), blueprint.robot.links.iter().map(|link| &link.joint.name));
     let joints =
@@ -218,7 +219,7 @@ fn terminations(blueprint: &Blueprint, training: bool) -> Terminations {
     (built, names, schedule)
 }
 
-/// Whether a termination reads this signal.
+/// Whether a termination uses this signal.
 fn looks_at(blueprint: &Blueprint, signal: Signal) -> bool {
     let section = Section::new(&blueprint.fields).within::<terminate::Terminations>();
     let kinds = section.into_iter().flat_map(terms).map(|(_, kind, _)| kind);
@@ -256,7 +257,8 @@ fn rates(blueprint: &Blueprint, trial: Option<&Trial>) -> Rates {
     }
 }
 
-/// What takes the swing within a step out of a velocity: its time constant is half a cycle of the motion.
+/// The low-pass filter that removes the oscillation within a step from a velocity: its time constant is half
+/// a cycle of the motion.
 fn averaging(blueprint: &Blueprint) -> LowPass {
     let time = 0.5 * blueprint.reference().period;
     LowPass::new(1.0 / (std::f64::consts::TAU * time), 1.0 / blueprint.control_rate())

@@ -1,4 +1,4 @@
-//! Where an episode starts: the standing pose, or anywhere on the reference motion.
+//! Initial states of episodes: the standing pose, or any phase of the reference motion.
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
@@ -12,10 +12,10 @@ use crate::sim::{State, Terrain};
 use crate::spec::Sampler;
 use crate::stream::Stream;
 
-/// Height in m at which a start on the reference leaves its lowest sole above the ground.
+/// Height in m of the lowest sole above the ground at a start on the reference.
 const CLEARANCE: f64 = 5e-4;
 
-/// How episodes start.
+/// Distribution of initial states.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StartPlan {
     standing_share: f64,
@@ -35,9 +35,9 @@ pub struct Start {
     pub state: State,
     /// Phase of the motion.
     pub phase: f64,
-    /// Whether the robot stands in its default pose.
+    /// Whether the start is the default pose.
     pub standing: bool,
-    /// Whether it has been at rest, and not on its way along the reference.
+    /// Whether the robot has been at rest, rather than moving along the reference.
     pub at_rest: bool,
 }
 
@@ -76,8 +76,8 @@ impl StartPlan {
         }
     }
 
-    /// Always the default pose at rest, at one of these phases, joints perturbed by normal noise of this
-    /// standard deviation in rad.
+    /// Always the default pose at rest, at one of these phases, with the joints perturbed by normal noise of
+    /// this standard deviation in rad.
     pub fn standing(phases: Vec<f64>, perturbation: f64) -> Self {
         let none = Sampler::Constant(0.0);
         Self {
@@ -105,7 +105,7 @@ impl StartPlan {
         }
     }
 
-    /// The default pose at rest, perturbed as evaluations do and as training may.
+    /// The default pose at rest, perturbed as in evaluations or as `[initial]` allows in training.
     fn stand(&self, place: &Place, stream: &mut Stream) -> Start {
         let phase = if self.phases.is_empty() { 0.0 } else { self.phases[stream.below(self.phases.len())] };
         let mut position = place.robot.default_pose();
@@ -123,8 +123,8 @@ impl StartPlan {
         Start { state, phase, standing: true, at_rest: true }
     }
 
-    /// A state of the reference, at its velocities or at rest, with noise. The foot that should stand keeps
-    /// the attitude and the velocity it has in the reference: noise in its joints, or longer legs, move the
+    /// A state of the reference, with its velocities or at rest, with noise. The stance foot keeps the
+    /// attitude and the velocity that it has in the reference: noise in its joints, or longer legs, move the
     /// base.
     fn join(&self, place: &Place, stream: &mut Stream) -> Start {
         let phase = stream.uniform();
@@ -203,8 +203,8 @@ fn quaternion([w, x, y, z]: [f64; 4]) -> UnitQuaternion<f64> {
     UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z))
 }
 
-/// Velocity in m/s of a sole's centre and angular velocity in rad/s of the foot that the joints alone
-/// give, the base at rest.
+/// Velocity in m/s of a sole's centre and angular velocity in rad/s of the foot due to the joints alone, with
+/// the base at rest.
 fn twist(kinematics: &Kinematics, side: usize, velocity: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
     let sole = kinematics.sole(side).translation.vector;
     let mut linear = Vector3::zeros();
@@ -217,8 +217,9 @@ fn twist(kinematics: &Kinematics, side: usize, velocity: &[f64]) -> (Vector3<f64
     (linear, angular)
 }
 
-/// Height in m of the base origin at which both soles just touch the ground with nothing of it inside them,
-/// for kinematics whose base is at the origin: corners, and whatever stands up below the middle of a sole.
+/// Height in m of the base origin at which both soles just touch the ground without penetrating it, for
+/// kinematics whose base is at the origin. Considers corners and anything that protrudes below the middle of
+/// a sole.
 fn grounded(kinematics: &Kinematics, place: &Place) -> f64 {
     let mut height = f64::NEG_INFINITY;
     for side in 0..2 {

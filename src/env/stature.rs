@@ -1,14 +1,14 @@
-//! Episodes on longer or shorter legs: what of the nominal robot's reference follows them.
+//! Episodes with longer or shorter legs: how the nominal robot's reference is adapted.
 //!
-//! The reference keeps its joint angles and its clock. On other legs the same angles put the soles at another
-//! depth below the base, so the base's height follows, phase by phase.
+//! The reference keeps its joint angles and its timing. With other leg lengths the same angles put the soles
+//! at another depth below the base, so the base's height is corrected, phase by phase.
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
 use crate::kinds::motion::Frame;
 use crate::robot::{Kinematics, Robot};
 
-/// The legs of an episode against those that the reference was made for.
+/// The legs of an episode compared with those that the reference was made for.
 #[derive(Clone, Debug)]
 pub struct Stature {
     ratio: f64,
@@ -17,7 +17,7 @@ pub struct Stature {
 }
 
 impl Stature {
-    /// The stature of an episode's robot; `None` when its legs are the nominal ones.
+    /// The stature of an episode's robot; `None` if its legs are the nominal ones.
     pub fn of(nominal: &Robot, own: &Robot) -> Option<Self> {
         let other = own.standing_height != nominal.standing_height;
         other.then(|| Self {
@@ -27,7 +27,7 @@ impl Stature {
         })
     }
 
-    /// Standing height as a share of the nominal robot's.
+    /// Standing height divided by the nominal robot's.
     pub fn ratio(&self) -> f64 {
         self.ratio
     }
@@ -70,8 +70,8 @@ mod tests {
         let mut stature = Stature::of(&nominal, &tall).unwrap();
         assert!((stature.ratio() - tall.standing_height / nominal.standing_height).abs() < 1e-15);
         let mut frame = Frame::default();
-        // In the hold, thigh and shank of 0.35 m stand at 0.54 rad and 0.66 rad to the vertical; at rest at
-        // 0.24 rad and 0.36 rad.
+        // In the hold, thigh and shank of 0.35 m are inclined by 0.54 rad and 0.66 rad; at rest at 0.24 rad
+        // and 0.36 rad.
         for (phase, angles) in [(0.5, [0.54, 0.66]), (0.0, [0.24, 0.36])] {
             squat.at(phase, &mut frame);
             let before = frame.base_height;

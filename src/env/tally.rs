@@ -1,8 +1,8 @@
-//! What a control step collects over its physics steps.
+//! Averages over the physics steps of a control step.
 
 use crate::sim::Contacts;
 
-/// Vertical force in N above which a foot counts as in contact.
+/// Vertical force in N from which a foot is in contact.
 const CONTACT: f64 = 10.0;
 
 /// Means over the physics steps of one control step.
@@ -15,12 +15,12 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// For a robot with this many joints.
+    /// Averages for a robot with this many joints.
     pub fn new(joints: usize) -> Self {
         Self { torque: vec![0.0; joints], ..Self::default() }
     }
 
-    /// Empties it for the next control step.
+    /// Resets it for the next control step.
     pub fn clear(&mut self) {
         self.torque.fill(0.0);
         (self.count, self.force, self.body) = (0.0, [[0.0; 3]; 2], false);
@@ -52,7 +52,7 @@ impl Tally {
     }
 }
 
-/// Whether each foot with this mean force in N carries something.
+/// Whether each foot with this mean force in N carries load.
 pub fn contact(force: &[[f64; 3]; 2]) -> [bool; 2] {
     force.map(|foot| foot[2] > CONTACT)
 }

@@ -1,16 +1,16 @@
-//! What an environment is for: learning, or a trial of a policy under its own conditions.
+//! Purpose of an environment: training, or an evaluation under its own conditions.
 
 use std::sync::Arc;
 
 use crate::spec::Table;
 
-/// What an environment is for.
+/// Purpose of an environment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Mode {
-    /// Learning: everything as the spec says.
+    /// Training: everything as in the spec.
     #[default]
     Training,
-    /// Measuring a policy: a standing start, and no termination that is only a guard of training
+    /// Evaluation of a policy: a standing start, and without the terminations that only guide training
     /// (`contact_schedule`, `joint_error`).
     Evaluation(Trial),
 }
@@ -28,20 +28,20 @@ pub struct Trial {
     pub time_limit: Option<f64>,
     /// Whether encoders are noisy.
     pub noise: bool,
-    /// What differs from the nominal physics.
+    /// Deviations from the nominal physics.
     pub randomized: Randomized,
     /// Time constant of soft contacts in s; `None` is the engine's own.
     pub contact_time: Option<f64>,
 }
 
-/// By what the physics of an evaluation episode differ from the nominal ones.
+/// Deviations of an evaluation episode's physics from the nominal ones.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Randomized {
-    /// By nothing.
+    /// None.
     #[default]
     Nothing,
-    /// By draws of the environment's own table.
+    /// Draws from the environment's own table.
     AsTrained,
-    /// By draws of this decoded table `[randomize]`.
+    /// Draws from this decoded table `[randomize]`.
     By(Arc<Table>),
 }

@@ -1,4 +1,4 @@
-//! The lists of conditions that the kinds of protocol make of their keys: which speeds, which parameter sets.
+//! Conditions of an evaluation's episodes for each kind of protocol: commanded speeds and parameter sets.
 
 use std::collections::BTreeMap;
 
@@ -9,19 +9,19 @@ use crate::kinds::randomize;
 use crate::spec::{Quantity, Table, Value};
 use crate::stream::Stream;
 
-/// What is particular to one episode.
+/// Conditions of one episode.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Condition {
-    /// Forward speed in m/s commanded throughout; `None` is the middle of the task's range.
+    /// Forward speed in m/s commanded throughout; `None` stands for the middle of the task's range.
     pub command: Option<f64>,
-    /// What differs from the nominal physics.
+    /// Deviations from the nominal physics.
     pub randomized: Randomized,
     /// Factors on physical parameters, by the name of their randomization, in place of `randomized`.
     pub parameters: BTreeMap<String, f64>,
 }
 
-/// The conditions of an evaluation; `condition` holds what its episodes have in common, `seed` names what is
-/// drawn.
+/// The conditions of an evaluation; `condition` holds what its episodes have in common, `seed` names the
+/// random streams.
 pub fn conditions(evaluation: &Evaluation, condition: Condition, seed: u64) -> Vec<Condition> {
     match evaluation {
         Evaluation::Speeds(speeds) => at_speeds(speeds, &condition),
@@ -30,15 +30,15 @@ pub fn conditions(evaluation: &Evaluation, condition: Condition, seed: u64) -> V
     }
 }
 
-/// Each speed in rising order, its repeats after each other.
+/// Each speed in ascending order, with its repetitions in a row.
 fn at_speeds(speeds: &Speeds, condition: &Condition) -> Vec<Condition> {
     let of_speed =
         |speed| vec![Condition { command: Some(speed), ..condition.clone() }; speeds.repeats as usize];
     speeds.grid().into_iter().flat_map(of_speed).collect()
 }
 
-/// One condition per set. A parameter's factors come from a stream of its own, so that they do not depend on
-/// which others there are.
+/// One condition per set. Each parameter's factors come from their own stream, so that they do not depend on
+/// the other parameters.
 fn of_sets(sets: &ParameterSets, condition: &Condition, seed: u64) -> Vec<Condition> {
     let (count, scale) = (sets.sets as usize, &sets.scale);
     let column = |name: &&str| {
@@ -57,7 +57,8 @@ fn of_sets(sets: &ParameterSets, condition: &Condition, seed: u64) -> Vec<Condit
     (0..count).map(|index| Condition { parameters: set(index), ..condition.clone() }).collect()
 }
 
-/// A number in each of `count` equal parts of `[0, 1)`, in random order (McKay, Beckman and Conover 1979).
+/// One number in each of `count` equal parts of `[0, 1)`, in random order (Latin hypercube; McKay, Beckman
+/// and Conover 1979).
 fn strata(count: usize, mut stream: Stream) -> Vec<f64> {
     let order = stream.permutation(count);
     order.into_iter().map(|part| (part as f64 + stream.uniform()) / count as f64).collect()
@@ -130,7 +131,7 @@ mod tests {
             parts.sort_unstable();
             assert_eq!(parts, (0..200).collect::<Vec<_>>(), "{name}");
         }
-        // Combined at random: the factors of two parameters are not correlated (standard error 0.07).
+        // Random pairing: the factors of two parameters are uncorrelated (standard error 0.07).
         let product = |set: &BTreeMap<String, f64>| (set["link_mass"] - 1.0) * (set["leg_length"] - 1.0);
         let correlation = drawn.iter().map(product).sum::<f64>() / 200.0 / (0.6 * 0.6 / 12.0);
         assert!(correlation.abs() < 0.25, "{correlation}");

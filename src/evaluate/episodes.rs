@@ -1,6 +1,6 @@
 //! The protocol `episodes`: the deterministic policy in a number of independent episodes.
 //!
-//! Episodes run side by side on threads; each depends on its own stream alone, so the result does not
+//! Episodes run in parallel on threads; each depends only on its own random stream, so the result does not
 //! depend on the number of threads.
 
 use std::sync::Arc;
@@ -28,15 +28,15 @@ use crate::stream::Stream;
 pub struct Subject<'a> {
     /// The actor.
     pub network: &'a Network,
-    /// Where it acts.
+    /// Its environment.
     pub blueprint: &'a Blueprint,
     /// The engine.
     pub engine: Arc<dyn Engine>,
-    /// Time constant of soft contacts in s; `None` is the engine's own.
+    /// Time constant of soft contacts in s; `None` is the engine's default.
     pub contact_time: Option<f64>,
 }
 
-/// Why an evaluation has no result.
+/// Why an evaluation failed.
 #[derive(Debug, thiserror::Error)]
 pub enum EvaluationError {
     /// The environment cannot be built.
@@ -47,18 +47,18 @@ pub enum EvaluationError {
     Shape {
         /// `inputs` or `outputs`.
         side: &'static str,
-        /// Of the environment.
+        /// Size in the environment.
         expected: usize,
-        /// Of the network.
+        /// Size in the network.
         found: usize,
     },
-    /// Somebody wanted to stop.
+    /// The evaluation was interrupted.
     #[error("interrupted")]
     Interrupted,
 }
 
-/// Runs the episodes on up to `threads` threads. `progress` is told the number of finished episodes and
-/// says whether to go on.
+/// Runs the episodes on up to `threads` threads. `progress` receives the number of finished episodes and
+/// returns whether to continue.
 pub fn episodes(
     subject: &Subject,
     protocol: &Protocol,
@@ -68,7 +68,7 @@ pub fn episodes(
     followed(subject, protocol, threads, &Count(progress))
 }
 
-/// The same with a follower, who may know some of the episodes from an earlier run.
+/// As [`episodes`], with a follower that may know some of the episodes from an earlier run.
 pub fn followed(
     subject: &Subject,
     protocol: &Protocol,
@@ -94,7 +94,7 @@ pub fn followed(
     Ok(evaluation)
 }
 
-/// Every episode in order: those that the follower knows, and the others as they are now measured.
+/// Every episode in order: those that the follower knows, and the others as measured now.
 fn all(course: &Course, threads: usize, follower: &dyn Follower) -> Result<Vec<Measured>, EvaluationError> {
     let count = course.protocol.conditions.len();
     let mut measured = follower.known();
@@ -114,8 +114,8 @@ fn all(course: &Course, threads: usize, follower: &dyn Follower) -> Result<Vec<M
     Ok(measured.into_values().collect())
 }
 
-/// Works on these indices on up to `threads` threads. `told` hears of each result and says whether to go on;
-/// when it does not, the results are not all there.
+/// Processes these indices on up to `threads` threads. `told` receives each result and returns whether to
+/// continue; if it returns false, the results are incomplete.
 fn in_parallel<T: Send>(
     indices: &[usize],
     threads: usize,
@@ -149,10 +149,10 @@ fn in_parallel<T: Send>(
     })
 }
 
-/// Control steps between two looks at the interruption and the clock.
+/// Control steps between two checks of the interruption and the clock.
 const LOOK: u64 = 16;
 
-/// Ends episodes that nobody waits for, and tells of the first that lasts long.
+/// Ends episodes after an interruption, and reports the first long one.
 struct Patience<'a> {
     follower: &'a dyn Follower,
     told: AtomicBool,
@@ -175,7 +175,7 @@ impl<'a> Patience<'a> {
     }
 }
 
-/// Refuses a network whose vectors have other lengths than the environment's.
+/// Refuses a network whose input or output has another length than the environment's.
 fn check(subject: &Subject) -> Result<(), EvaluationError> {
     let sizes = subject.blueprint.sizes();
     let sides = [
@@ -198,13 +198,13 @@ fn usual_command(blueprint: &Blueprint) -> Option<f64> {
 struct Course<'a> {
     subject: Subject<'a>,
     protocol: &'a Protocol,
-    /// The task's own command.
+    /// The task's default command.
     usual: Option<f64>,
-    /// The command of all episodes, where it is one.
+    /// The command of all episodes if it is constant.
     command: Option<f64>,
-    /// The phases to start at, in turn.
+    /// The start phases, used in turn.
     starts: Vec<f64>,
-    /// Where the obstacle begins and ends along x.
+    /// Range of the obstacle along x.
     obstacle: Option<[f64; 2]>,
     /// The joints that pitch the ankles.
     ankles: Vec<usize>,
@@ -228,7 +228,7 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// The condition of an episode, with the task's own command where it has none, and with the rows that
+    /// The condition of an episode, with the task's default command if it has none, and with the rows that
     /// scale its parameters.
     fn condition(&self, index: usize) -> Condition {
         let mut condition = self.protocol.conditions[index].clone();
@@ -253,7 +253,7 @@ impl<'a> Course<'a> {
         blueprint.environment(engine.clone(), &Mode::Evaluation(trial))
     }
 
-    /// One episode; the first keeps its trace.
+    /// One episode; the trace of the first is recorded.
     fn run(&self, index: usize, patience: &Patience) -> Result<Measured, EvaluationError> {
         let condition = self.condition(index);
         let mut environment = self.environment(index, &condition)?;
@@ -298,7 +298,7 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// The simulated time of an episode at most, in s.
+    /// The longest simulated time of an episode in s.
     fn time_limit(&self) -> f64 {
         self.protocol.time_limit.unwrap_or(self.subject.blueprint.episode())
     }
@@ -310,7 +310,7 @@ impl<'a> Course<'a> {
         let meter = Meter::new(&environment.signals(), environment.view().terms(), limit, trace)
             .beyond(self.obstacle.map(|[_, far]| far))
             .with_ankles(self.ankles.clone());
-        // The soles of a robot with other legs are elsewhere.
+        // With other leg lengths, the soles are elsewhere.
         let nominal = condition.randomized == Randomized::Nothing;
         if trace.is_some() && nominal { meter.with_soles(Kinematics::new(&blueprint.robot)) } else { meter }
     }

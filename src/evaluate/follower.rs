@@ -1,52 +1,51 @@
-//! Who follows an evaluation while it runs, and what is known of it before.
+//! Observers of a running evaluation, which may also know episodes of an earlier run.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
 
 use crate::outcome::{Episode, Trace};
 
-/// An episode as it was measured; the first of an evaluation has its trace.
+/// A measured episode; the first of an evaluation has its trace.
 pub type Measured = (Episode, Option<Trace>);
 
 /// A follower of an evaluation.
 pub trait Follower: Sync {
-    /// What an earlier run of the same evaluation has measured, by the number of the episode. It is not run
-    /// again.
+    /// The episodes that an earlier run of the same evaluation has measured, by number. They are not
+    /// repeated.
     fn known(&self) -> BTreeMap<usize, Measured> {
         BTreeMap::new()
     }
 
-    /// Takes in an episode that has just been measured, when `done` of them are there. Says whether to go on.
+    /// Receives an episode when it is measured and `done` episodes are finished. Returns whether to continue.
     fn takes(&self, index: usize, measured: &Measured, done: usize) -> bool;
 
-    /// Whether the evaluation is to end in the middle of its episodes; they are measured anew by the next
-    /// run.
+    /// Whether to interrupt the evaluation during its episodes; the next run repeats the unfinished ones.
     fn is_interrupted(&self) -> bool {
         false
     }
 
-    /// The wall time after which an episode is called long.
+    /// The wall time after which an episode counts as long.
     fn patience(&self) -> Duration {
         Duration::from_secs(30)
     }
 
-    /// Hears of the first long episode, once: its number and how far it is.
+    /// Called once, for the first long episode: its number and progress.
     fn lasts(&self, _index: usize, _course: Lasting) {}
 }
 
-/// How far an episode is.
+/// Progress of an episode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lasting {
     /// Wall time so far in s.
     pub wall_s: f64,
     /// Simulated time so far in s.
     pub simulated_s: f64,
-    /// Simulated time at most in s.
+    /// Largest simulated time in s.
     pub limit_s: f64,
 }
 
 impl Lasting {
-    /// What is waited for, in words.
+    /// Describes the wait.
     pub fn sentence(&self, index: usize) -> String {
         let Self { wall_s, simulated_s, limit_s } = self;
         format!(
@@ -58,10 +57,10 @@ impl Lasting {
     }
 }
 
-/// What to do about a long episode.
+/// Advice for a long episode.
 pub const LONG_EPISODE: &str = "Ctrl-C ends it; `time_limit` makes the episodes of an evaluation shorter";
 
-/// A follower that wants to know how many episodes are there, and nothing else.
+/// A follower that only counts finished episodes.
 pub struct Count<'a>(pub &'a (dyn Fn(usize) -> bool + Sync));
 
 impl Follower for Count<'_> {

@@ -1,28 +1,27 @@
-//! The gait of an episode from its foot contacts: steps, supports, flights.
+//! Gait of an episode from its foot contacts: steps, support phases, flight phases.
 //!
-//! Rigid contacts tap: a foot touches for one step and lifts again. Steps and flights are therefore
-//! counted after contacts shorter than [`TAP`] are removed; shares of time are those of the contacts as
-//! they were.
+//! Rigid contacts bounce: a foot touches for one step and lifts again. Steps and flight phases are therefore
+//! counted after contacts shorter than [`TAP`] are removed; shares of time use the raw contacts.
 
-/// Contacts and flights shorter than this, in s, are none.
+/// Contacts and flight phases shorter than this, in s, are ignored.
 pub const TAP: f64 = 0.02;
 
-/// What the feet did in an episode.
+/// Foot contacts of an episode.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Gait {
-    /// Share of the time on the left foot alone.
+    /// Share of the time in single support on the left foot.
     pub left_support: f64,
-    /// Share of the time on the right foot alone.
+    /// Share of the time in single support on the right foot.
     pub right_support: f64,
     /// Share of the time with no foot on the ground.
     pub flight: f64,
     /// Touch-downs of the left and the right foot.
     pub steps: [u32; 2],
-    /// Flights that begin on one foot and end on the other.
+    /// Flight phases from one foot to the other.
     pub alternating_flights: u32,
-    /// Share of the foot changes that had such a flight.
+    /// Share of the foot changes with such a flight phase.
     pub flight_per_step: f64,
-    /// Foot changes up to the last that had none: the steps out of standing, when running follows.
+    /// Foot changes up to the last one without a flight phase: the steps from standing into running.
     pub starting_steps: u32,
 }
 
@@ -49,7 +48,7 @@ impl Gait {
     }
 }
 
-/// A foot that comes down at a control step.
+/// A touch-down at a control step.
 #[derive(Clone, Copy, Debug)]
 struct TouchDown {
     at: usize,
@@ -82,7 +81,7 @@ fn touch_downs(firm: &[[bool; 2]]) -> Vec<TouchDown> {
     events
 }
 
-/// Whether a touch-down ends a flight that is long enough and began on the other foot alone.
+/// Whether a touch-down ends a flight phase that is long enough and began on the other foot alone.
 fn flies(firm: &[[bool; 2]], event: TouchDown, step: f64) -> bool {
     let length = firm[..event.at].iter().rev().take_while(|contact| **contact == [false, false]).count();
     let before = event.at - length;
@@ -117,7 +116,7 @@ mod tests {
     fn a_run_flies_from_foot_to_foot_at_every_step() {
         let stride = [(L, 30), (F, 10), (R, 30), (F, 10)];
         let gait = Gait::of(&contacts(&[stride, stride, stride].concat()), 0.008);
-        // The first stance on the left is not a touch-down; then R L R L R, every one after a flight.
+        // The first stance on the left is not a touch-down; then R L R L R, each after a flight phase.
         assert_eq!(gait.steps, [2, 3]);
         assert_eq!((gait.alternating_flights, gait.flight_per_step), (5, 1.0));
         assert_eq!((gait.flight, gait.starting_steps), (0.25, 0));
@@ -128,7 +127,8 @@ mod tests {
         let stride = [(L, 30), (F, 10), (R, 30), (F, 10)];
         let start = [(B, 50), (L, 20), (B, 5), (R, 30), (B, 5), (L, 30), (F, 10), (R, 30), (F, 10)];
         let gait = Gait::of(&contacts(&[start.as_slice(), &stride, &stride].concat()), 0.008);
-        // R after L is the first touch-down; L without a flight is the only foot change that has none.
+        // R after L is the first touch-down; the L without one is the only foot change without a flight
+        // phase.
         assert_eq!((gait.starting_steps, gait.alternating_flights), (1, 5));
         assert_eq!(gait.flight_per_step, 5.0 / 6.0);
     }

@@ -1,4 +1,4 @@
-//! Measures one episode from what its terms see: adds up signals step by step.
+//! Measures one episode by accumulating its signals step by step.
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
@@ -7,11 +7,11 @@ use crate::kinds::Signals;
 use crate::outcome::{Episode, Trace};
 use crate::robot::Kinematics;
 
-/// Span in s over which a foot force is averaged before its peak is taken: contacts are rigid, and a
-/// single step's force says little.
+/// Span in s over which a foot force is averaged before its peak is taken: contacts are rigid, and the force
+/// of a single step is not meaningful.
 const PEAK_SPAN: f64 = 0.008;
 
-/// Collects one episode.
+/// Measurements of one episode.
 #[derive(Clone, Debug)]
 pub struct Meter {
     terms: Vec<String>,
@@ -29,9 +29,9 @@ pub struct Meter {
     torques: usize,
     command: f64,
     tracking: [f64; 2],
-    /// Where the obstacle ends along x, in m.
+    /// Far edge of the obstacle along x, in m.
     far_edge: Option<f64>,
-    /// The joints that pitch the ankles.
+    /// The pitch joints of the ankles.
     ankles: Vec<usize>,
     ankle_torque: f64,
     soles: Option<Kinematics>,
@@ -40,7 +40,7 @@ pub struct Meter {
 }
 
 impl Meter {
-    /// A meter of an episode that starts now; with `trace`, all signals are kept.
+    /// A meter of an episode that starts now; with `trace`, all signals are recorded.
     pub fn new(signals: &Signals, terms: &[String], time_limit: f64, trace: Option<&[String]>) -> Self {
         Self {
             terms: terms.to_vec(),
@@ -65,22 +65,22 @@ impl Meter {
         }
     }
 
-    /// The same on ground with an obstacle that ends here along x, in m.
+    /// The same meter on ground with an obstacle that ends at this x in m.
     pub fn beyond(self, far_edge: Option<f64>) -> Self {
         Self { far_edge, ..self }
     }
 
-    /// The same for a robot whose ankles these joints pitch.
+    /// The same meter for a robot with these ankle pitch joints.
     pub fn with_ankles(self, ankles: Vec<usize>) -> Self {
         Self { ankles, ..self }
     }
 
-    /// The same with the places of the soles in the trace.
+    /// The same meter, with the soles' positions in the trace.
     pub fn with_soles(self, kinematics: Kinematics) -> Self {
         Self { soles: Some(kinematics), ..self }
     }
 
-    /// Takes in the state after a control step and the weighted reward terms of that step.
+    /// Adds the state after a control step and the weighted reward terms of that step.
     pub fn add(&mut self, signals: &Signals, terms: &[f64]) {
         self.term_sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
         let [x, y, _] = signals.base_position;
@@ -104,7 +104,7 @@ impl Meter {
         }
     }
 
-    /// The episode's figures and, if kept, its trace; `end` is why it ended.
+    /// The episode's results and, if recorded, its trace; `end` is why it ended.
     pub fn finish(self, stream: &str, end: &str, survived: bool) -> (Episode, Option<Trace>) {
         let duration = self.forward.len() as f64 * self.step;
         let gait = Gait::of(&self.contacts, self.step);
@@ -147,7 +147,7 @@ impl Meter {
         (episode, self.trace)
     }
 
-    /// Mean speed from the middle of the time limit to the end; 0 when the episode did not get there.
+    /// Mean speed from the middle of the time limit to the end; 0 if the episode ended before.
     fn steady_speed(&self) -> f64 {
         let middle = self.middle();
         if middle == 0 || self.forward.len() <= middle {
@@ -157,7 +157,7 @@ impl Meter {
         (to - from) / ((self.forward.len() - middle) as f64 * self.step)
     }
 
-    /// Control steps in the first half of the time limit, at most those there were.
+    /// Number of control steps in the first half of the time limit, at most those of the episode.
     fn middle(&self) -> usize {
         ((self.time_limit / 2.0 / self.step).round() as usize).min(self.contacts.len())
     }
@@ -182,7 +182,7 @@ fn record(trace: &mut Trace, signals: &Signals) {
     trace.schedule.push(signals.reference.contact);
 }
 
-/// Where the middles of the soles are.
+/// Positions of the soles' centres.
 fn soles(kinematics: &mut Kinematics, signals: &Signals) -> [[f64; 3]; 2] {
     let [w, x, y, z] = signals.base_orientation;
     let turn = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));

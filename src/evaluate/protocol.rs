@@ -1,5 +1,5 @@
-//! What an evaluation is asked to do: a list of conditions, one per episode, and what all of them share. The
-//! kinds of protocol differ in the list alone.
+//! Protocols of evaluations: a list of conditions, one per episode, and common settings. The kinds of
+//! protocol differ only in the list.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -14,19 +14,19 @@ use crate::spec::{Section, Table};
 /// A protocol.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Protocol {
-    /// What is particular to each episode.
+    /// Conditions of each episode.
     pub conditions: Vec<Condition>,
     /// Longest duration of an episode in s; `None` is the task's.
     pub time_limit: Option<f64>,
-    /// The decoded `[terrain]` that takes the place of the training's.
+    /// The decoded `[terrain]` that replaces the training's.
     pub terrain: Option<Table>,
     /// Standard deviation of the joint positions about the default pose at the start, in rad.
     pub perturbation: f64,
-    /// Whether the observation carries its noise.
+    /// Whether the observation is noisy.
     pub noise: bool,
     /// Whether the policy acts with the exploration of its training.
     pub explore: bool,
-    /// Names the streams of the episodes.
+    /// Part of the names of the episodes' random streams.
     pub seed: u64,
 }
 
@@ -46,7 +46,7 @@ impl Default for Protocol {
 
 impl Protocol {
     /// The protocol of a decoded `[evaluate.NAME]` table, or of a `[deploy.NAME]` table of kind `transfer`,
-    /// which may leave keys out.
+    /// in which keys may be missing.
     pub fn new(section: Section) -> Self {
         match Evaluation::of_section(section) {
             Some(evaluation) => Self::of_evaluation(&evaluation),
@@ -103,18 +103,18 @@ impl Protocol {
         }
     }
 
-    /// This many episodes under the usual conditions.
+    /// The given number of episodes under the usual conditions.
     pub fn of(episodes: usize) -> Self {
         Self { conditions: vec![Condition::default(); episodes], ..Self::default() }
     }
 
-    /// Name of the random stream of an episode. It does not name the policy: arms that share a seed meet
+    /// Name of the random stream of an episode. It is independent of the policy: arms with the same seed get
     /// the same starts and disturbances.
     pub fn stream(&self, episode: usize) -> String {
         format!("{}/evaluate/episode/{episode}", self.seed)
     }
 
-    /// The environment on this protocol's ground.
+    /// The environment on the protocol's ground.
     pub fn ground<'a>(&self, blueprint: &'a Blueprint) -> Result<Cow<'a, Blueprint>, BlueprintError> {
         match &self.terrain {
             None => Ok(Cow::Borrowed(blueprint)),
@@ -122,7 +122,7 @@ impl Protocol {
         }
     }
 
-    /// The command in m/s of all episodes, where `usual` is the task's own; `None` where they differ.
+    /// The command in m/s of all episodes, where `usual` is the task's default; `None` if they differ.
     pub fn command(&self, usual: Option<f64>) -> Option<f64> {
         let mut commands = self.conditions.iter().map(|condition| condition.command.or(usual));
         let first = commands.next()?;
@@ -130,7 +130,7 @@ impl Protocol {
     }
 }
 
-/// What the key `randomize` says: nothing, the training's table or the table that stands there.
+/// The value of the key `randomize`: nothing, the training's table or its own table.
 fn randomized(drawn: Option<&Drawn>) -> Randomized {
     match drawn {
         Some(Drawn::AsTrained(true)) => Randomized::AsTrained,

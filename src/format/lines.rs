@@ -8,13 +8,13 @@ use toml_parser::parser::{Event, EventKind, parse_document};
 /// A file, line by line.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Document<'a> {
-    /// What stands before everything else and stays there.
+    /// Lines before everything else, which stay there.
     pub top: Vec<Trivia<'a>>,
     /// The keys before the first header, then a table per header.
     pub tables: Vec<Table<'a>>,
-    /// What stands after the last line of code.
+    /// Lines after the last line of code.
     pub end: Vec<Trivia<'a>>,
-    /// How lines end.
+    /// The line ending.
     pub line_end: &'static str,
 }
 
@@ -30,17 +30,17 @@ pub struct Table<'a> {
 /// A header or an entry, with the comments that belong to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line<'a> {
-    /// What stands above it.
+    /// Lines above it.
     pub lead: Vec<Trivia<'a>>,
-    /// Its keys as they are named; those of a header are the table's path.
+    /// Its keys; for a header, the table's path.
     pub path: Vec<String>,
     /// A header as a whole, or the key of an entry.
     pub text: String,
-    /// The value of an entry, as it was written.
+    /// The value of an entry, verbatim.
     pub value: Option<&'a str>,
-    /// The comment behind it.
+    /// The comment at its end.
     pub comment: Option<&'a str>,
-    /// Comments directly below it, which belong to nothing that follows.
+    /// Comments directly below it that do not belong to the next line.
     pub tail: Vec<&'a str>,
 }
 
@@ -61,13 +61,13 @@ impl Table<'_> {
 }
 
 impl Line<'_> {
-    /// Whether a comment stands directly above it.
+    /// Whether there is a comment directly above it.
     pub fn is_explained(&self) -> bool {
         matches!(self.lead.last(), Some(Trivia::Comment(_)))
     }
 }
 
-/// Reads a text that is known to be TOML.
+/// Reads a text that is valid TOML.
 pub fn read(text: &str) -> Document<'_> {
     let body = text.strip_prefix('\u{feff}').unwrap_or(text);
     let source = Source::new(body);
@@ -80,7 +80,7 @@ pub fn read(text: &str) -> Document<'_> {
     assemble(reader.lines, reader.lead, if first { "\r\n" } else { "\n" })
 }
 
-/// A line that is being read.
+/// A line during reading.
 #[derive(Default)]
 struct Open<'a> {
     /// The opening and closing brackets of a header.
@@ -97,7 +97,7 @@ struct Reader<'a> {
     lines: Vec<Line<'a>>,
     lead: Vec<Trivia<'a>>,
     open: Open<'a>,
-    /// How many arrays and inline tables are open.
+    /// Number of open arrays and inline tables.
     depth: usize,
 }
 
@@ -144,7 +144,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Ends a line that holds something.
+    /// Ends a line that is not empty.
     fn end_line(&mut self) {
         let open = std::mem::take(&mut self.open);
         if open.keys.is_empty() {
@@ -160,7 +160,7 @@ impl Reader<'_> {
     }
 }
 
-/// Puts lines into tables and gives comments to the lines that they belong to.
+/// Distributes lines to tables and comments to the lines that they belong to.
 fn assemble<'a>(lines: Vec<Line<'a>>, rest: Vec<Trivia<'a>>, line_end: &'static str) -> Document<'a> {
     let mut document = Document { tables: vec![Table::default()], line_end, ..Document::default() };
     for (index, mut line) in lines.into_iter().enumerate() {
@@ -176,14 +176,13 @@ fn assemble<'a>(lines: Vec<Line<'a>>, rest: Vec<Trivia<'a>>, line_end: &'static 
             table.entries.push(line);
         }
     }
-    // The end of the file parts like a blank line.
+    // The end of the file separates like a blank line.
     let rest: Vec<Trivia<'a>> = rest.into_iter().chain([Trivia::Blank]).collect();
     document.end = give_back(rest, &mut document.tables);
     document
 }
 
-/// Comments directly below a line, with a blank line after them, belong to that line; the rest leads the
-/// next.
+/// Comments directly below a line and before a blank line belong to that line; the others belong to the next.
 fn give_back<'a>(lead: Vec<Trivia<'a>>, tables: &mut [Table<'a>]) -> Vec<Trivia<'a>> {
     let Some(blank) = lead.iter().position(|trivia| *trivia == Trivia::Blank) else { return lead };
     let last = tables.last_mut().and_then(|table| table.entries.last_mut().or(table.header.as_mut()));

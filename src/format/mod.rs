@@ -1,13 +1,13 @@
-//! The canonical form of a file: what `specforge fmt` writes. Moves whole lines and aligns them; knows
-//! nothing of what a value means, and leaves the text of every value and comment as it is.
+//! The canonical form of a file: the output of `specforge fmt`. Moves whole lines and aligns them; values and
+//! comments keep their text.
 //!
-//! * The keys before the first table, the sections and the keys of a table stand in the order of the
-//!   registries; named terms stay in their author's order. Keys change places only within lines that stand
-//!   directly below each other: a blank line or a line of comment is never crossed.
-//! * `=` is aligned within such a group, but for robot files, which programs write. Comments behind code
-//!   begin in column 47, or two spaces behind longer code.
-//! * A section is set off from the one before by a blank line; several blank lines become one.
-//! * Line ends are those of the file's first line, a file ends with one of them, and indentation goes.
+//! * The keys before the first table, the sections and the keys of a table are in the order of the
+//!   registries; named terms keep their author's order. Keys are sorted only within adjacent lines: a blank
+//!   line or a line of comment is never crossed.
+//! * `=` is aligned within such a group, except in robot files, which programs write. Comments after code
+//!   begin in column 47, or two spaces after longer code.
+//! * A blank line separates a section from the previous one; several blank lines become one.
+//! * Line endings are that of the file's first line, a file ends with one, and indentation is removed.
 
 mod lines;
 mod order;
@@ -17,7 +17,7 @@ pub use order::Order;
 
 use crate::syntax::{Map, Node};
 
-/// What a file describes, which decides the order of its keys.
+/// What a file describes, which determines the order of its keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sort {
     /// An experiment or a parent of experiments.
@@ -31,7 +31,7 @@ pub enum Sort {
 }
 
 impl Sort {
-    /// What a document describes, by its keys; `None` for a file of someone else.
+    /// What a document describes, by its keys; `None` if it is not a file of specforge.
     pub fn of(document: &Map) -> Option<Self> {
         let has = |key: &str| document.get(key).is_some();
         match () {
@@ -49,7 +49,7 @@ impl Sort {
     }
 }
 
-/// The canonical form of a text that is TOML.
+/// The canonical form of valid TOML.
 pub fn format(text: &str, sort: Sort, order: &Order) -> String {
     let mut document = lines::read(text);
     document.arrange(&order.ranking(sort, &document));

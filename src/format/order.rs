@@ -20,7 +20,7 @@ const KIND: &[Param] = &[Param::optional("kind", Ty::Text), Param::optional("ena
 /// Keys of a suite before its sections.
 const SUITE: &[&str] = &["spec", "suite", "summary", "extends", "claims"];
 
-/// What may be written where, for every sort of file.
+/// The allowed keys of every sort of file.
 #[derive(Clone, Debug)]
 pub struct Order {
     /// Sections and kinds of a spec.
@@ -35,12 +35,12 @@ pub struct Order {
 pub struct Ranking<'a> {
     order: &'a Order,
     sort: Sort,
-    /// The kind that the document names, by the path of the table.
+    /// The explicit kinds of the document, by the path of the table.
     kinds: BTreeMap<Vec<String>, String>,
 }
 
 impl Order {
-    /// The order in this edition.
+    /// The order in this version.
     pub fn of_this_edition() -> Self {
         Self { vocabulary: vocabulary(), robot: file::PARAMS, motions: motion::kinds() }
     }
@@ -61,12 +61,12 @@ impl Order {
 }
 
 impl Ranking<'_> {
-    /// The place of a key in a table; a key that is not known comes last.
+    /// The rank of a key in a table; an unknown key comes last.
     fn rank(&self, table: &[String], key: &str) -> usize {
         self.keys(table).iter().position(|known| *known == key).unwrap_or(usize::MAX)
     }
 
-    /// The places of a dotted key, step by step, up to the first step that is not known.
+    /// The ranks of a dotted key, step by step, up to the first unknown step.
     fn ranks(&self, table: &[String], path: &[String]) -> Vec<usize> {
         let mut ranks = Vec::with_capacity(path.len());
         for depth in 0..path.len() {
@@ -78,7 +78,7 @@ impl Ranking<'_> {
         ranks
     }
 
-    /// The keys of a table in their order; none where the author's order stays.
+    /// The keys of a table in their order; empty if the author's order stays.
     fn keys(&self, table: &[String]) -> Vec<&'static str> {
         match self.sort {
             Sort::Robot => inside(vec![self.order.robot], table),
@@ -113,7 +113,7 @@ impl Ranking<'_> {
     fn sections(&self) -> Vec<&'static str> {
         let sections = self.order.vocabulary.sections.iter().map(|section| section.name);
         if self.sort == Sort::Suite {
-            // What all arms have in common, what differs between them, what is expected of them.
+            // First what all arms share, then what differs between them, then the claims.
             let of_arms = sections.filter(|section| *section != "report");
             return SUITE
                 .iter()
@@ -126,8 +126,8 @@ impl Ranking<'_> {
         header.chain(sections).chain(["allow", "profile"]).collect()
     }
 
-    /// The keys of a table at `rest` inside a table of one of these kinds, which stands at `place`: those of
-    /// its own kind first, then those of the others, because a child need not say the kind.
+    /// The keys of a table at `rest` inside a table of one of these kinds, at `place`: those of its own kind
+    /// first, then those of the others, because a child may leave out the kind.
     fn of_kinds(
         &self,
         kinds: &[&'static Kind],
@@ -153,7 +153,7 @@ fn inside(params: Vec<&'static [Param]>, path: &[String]) -> Vec<&'static str> {
     let mut steps = path.iter();
     while let Some(step) = steps.next() {
         let found: Vec<&'static Param> = params.into_iter().filter(|param| param.name == step).collect();
-        // Between a table of named terms and their keys stands a name.
+        // Named terms have a name between their table and their keys.
         if found.iter().any(|param| holds_terms(&param.ty)) && steps.next().is_none() {
             return Vec::new();
         }
@@ -162,7 +162,7 @@ fn inside(params: Vec<&'static [Param]>, path: &[String]) -> Vec<&'static str> {
     params.iter().map(|param| param.name).collect()
 }
 
-/// The tables that a type may be.
+/// The tables that a type allows.
 fn tables(ty: &'static Ty) -> Vec<&'static [Param]> {
     match ty {
         Ty::Table(params) => vec![params],
@@ -176,7 +176,7 @@ fn tables(ty: &'static Ty) -> Vec<&'static [Param]> {
     }
 }
 
-/// Whether a type may be a table of named terms.
+/// Whether a type allows a table of named terms.
 fn holds_terms(ty: &Ty) -> bool {
     match ty {
         Ty::Terms(_) => true,
@@ -186,7 +186,7 @@ fn holds_terms(ty: &Ty) -> bool {
 }
 
 impl Document<'_> {
-    /// Puts tables and keys into their order. What has no place of its own stays where it is, after the rest.
+    /// Sorts tables and keys. Unknown ones keep their order after the others.
     pub fn arrange(&mut self, ranking: &Ranking<'_>) {
         let (root, tables) = self.tables.split_at_mut(1);
         tables
@@ -201,7 +201,7 @@ impl Document<'_> {
     }
 }
 
-/// Sorts lines that stand directly below each other. What stands above and below the group stays there.
+/// Sorts adjacent lines. What is above and below the group stays there.
 fn arrange_group(group: &mut [Line<'_>], table: &[String], ranking: &Ranking<'_>) {
     let lead = group.first_mut().map(|line| std::mem::take(&mut line.lead)).unwrap_or_default();
     let tail = group.last_mut().map(|line| std::mem::take(&mut line.tail)).unwrap_or_default();

@@ -2,7 +2,7 @@
 
 use super::lines::{Document, Line, Table, Trivia};
 
-/// Characters before a comment that stands behind code.
+/// Column of a comment after code, from 0.
 const COMMENT: usize = 46;
 
 /// The text of a document.
@@ -23,11 +23,11 @@ pub fn print(document: &Document<'_>, align: bool) -> String {
     page.finish(document.line_end)
 }
 
-/// Lines without their ends.
+/// Lines without line endings.
 #[derive(Default)]
 struct Page {
     lines: Vec<String>,
-    /// Whether there is a line of code yet.
+    /// Whether a line of code was printed.
     has_code: bool,
     /// Whether the last line is a comment that belongs to the code above it.
     has_tail: bool,
@@ -58,7 +58,7 @@ impl Page {
         }
     }
 
-    /// A line of code with the comments behind and directly below it.
+    /// A line of code with the comments after and directly below it.
     fn code(&mut self, code: String, line: &Line<'_>) {
         let last = code.rsplit('\n').next().unwrap_or_default().chars().count();
         let gap = if last < COMMENT { COMMENT - last } else { 2 };

@@ -120,7 +120,7 @@ fn document() -> impl Strategy<Value = String> {
     proptest::collection::vec(line, 0..24).prop_map(|lines| lines.concat())
 }
 
-/// How often each comment stands in a text.
+/// Number of occurrences of each comment in a text.
 fn comments(text: &str) -> BTreeMap<String, usize> {
     let mut counts = BTreeMap::new();
     for line in text.lines() {

@@ -1,5 +1,5 @@
-//! Every key of the language by its path, from the descriptors: what `explain learn.samples` and `list keys`
-//! show.
+//! All keys of the language by their paths, from the descriptors: the content of `explain learn.samples` and
+//! `list keys`.
 
 use std::fmt::Write;
 
@@ -12,32 +12,31 @@ use crate::spec::{Kind, Param, Presence, Shape, Ty};
 /// The keys of a spec before its sections.
 pub const HEADER: &[Param] = &[
     Param::required("spec", Ty::Count).doc("The edition of the language: 1."),
-    Param::optional("name", Ty::Text).doc("The spec's name; without it that of its file."),
-    Param::optional("summary", Ty::Text).doc("What it is about, in one sentence."),
+    Param::optional("name", Ty::Text).doc("The spec's name; by default that of its file."),
+    Param::optional("summary", Ty::Text).doc("A one-sentence summary."),
     Param::optional("extends", Ty::OneOf(&[Ty::Text, Ty::List(&Ty::Text)]))
         .doc("One parent or several, relative to this file; later ones win."),
     Param::default("abstract", Ty::Flag, "false")
-        .doc("Whether it is a parent that cannot be run; never inherited."),
+        .doc("Whether it is a parent that cannot be run itself; not inherited."),
     Param::optional("profile", Ty::Named(&Ty::Table(&[])))
         .doc("Overlays by name, `[profile.NAME]`; each holds sections and is chosen by `--profile NAME`."),
-    Param::optional("allow", Ty::Named(&Ty::Text)).doc("Warnings that are meant, each with the reason."),
+    Param::optional("allow", Ty::Named(&Ty::Text)).doc("Accepted warnings, each with its reason."),
 ];
 
 /// The keys `kind` and `enabled`, of every table that has them.
-const KIND: Param =
-    Param::optional("kind", Ty::Text).doc("Which of the registry's kinds the table describes.");
+const KIND: Param = Param::optional("kind", Ty::Text).doc("The table's kind, from the registry.");
 const ENABLED: Param = Param::default("enabled", Ty::Flag, "true")
-    .doc("`false` switches the table off, for example one that a parent holds.");
+    .doc("`false` switches the table off, for example one that a parent sets.");
 
-/// A key in one place.
+/// A key at one path.
 #[derive(Clone, Debug)]
 pub struct Key {
     /// Its path: `learn.samples`, `reward.torque.k` for the terms of a kind, `robots.links.mass` for robot
     /// files.
     pub path: String,
-    /// The kinds that have it in this form; none where tables have no kind.
+    /// The kinds that have it in this form; empty if tables have no kind.
     pub kinds: Vec<&'static str>,
-    /// What may be written.
+    /// Its descriptor.
     pub param: &'static Param,
 }
 
@@ -47,7 +46,7 @@ impl Key {
         self.param.name
     }
 
-    /// What is taken when it is not written.
+    /// Its value if it is missing.
     pub fn absent(&self) -> String {
         match self.param.presence {
             Presence::Required => "required".to_owned(),
@@ -56,12 +55,12 @@ impl Key {
         }
     }
 
-    /// Its type in words.
+    /// Description of its type.
     pub fn takes(&self) -> String {
         reference::takes(self.param)
     }
 
-    /// Its bounds in words.
+    /// Description of its bounds.
     pub fn range(&self) -> String {
         self.param.range.map(|(low, high)| format!("from {low} to {high} in SI units")).unwrap_or_default()
     }
@@ -81,7 +80,7 @@ impl Key {
         text
     }
 
-    /// Whether a word names it: its path, its path without the kind of a named term, or its last steps.
+    /// Whether a word refers to it: its path, its path without the kind of a named term, or its last steps.
     pub fn is_called(&self, word: &str) -> bool {
         self.path == word
             || self.path.ends_with(&format!(".{word}"))
@@ -95,13 +94,13 @@ impl Key {
         Some(format!("{section}.{key}"))
     }
 
-    /// Whether its value may have a dimension.
+    /// Whether its value can have a dimension.
     pub fn has_dimension(&self, dimension: Dimension) -> bool {
         measures(&self.param.ty, dimension)
     }
 }
 
-/// Whether a type holds quantities of a dimension, other than in tables with keys of their own.
+/// Whether a type contains quantities of a dimension, outside tables with their own keys.
 fn measures(ty: &Ty, dimension: Dimension) -> bool {
     match ty {
         Ty::Quantity(own) | Ty::Sampler(own) => *own == dimension,
@@ -113,8 +112,7 @@ fn measures(ty: &Ty, dimension: Dimension) -> bool {
     }
 }
 
-/// All keys: those of specs in the order in which a spec is read, then those of motion files and of robot
-/// files.
+/// All keys: those of specs in the order of a spec, then those of motion files and of robot files.
 pub fn keys() -> Vec<Key> {
     let mut keys = Vec::new();
     collect(HEADER, ("", &[]), &mut keys);
@@ -147,7 +145,7 @@ fn of_terms(section: &str, kinds: &[&'static Kind], keys: &mut Vec<Key>) {
     }
 }
 
-/// Adds keys and those of the tables inside them.
+/// Adds keys and those of nested tables.
 fn collect(params: &'static [Param], (path, kinds): (&str, &[&'static str]), keys: &mut Vec<Key>) {
     for param in params {
         add(param, (path, kinds), keys);
@@ -157,7 +155,7 @@ fn collect(params: &'static [Param], (path, kinds): (&str, &[&'static str]), key
     }
 }
 
-/// Adds a key; kinds that have the very same key share an entry.
+/// Adds a key; kinds with the same key share an entry.
 fn add(param: &'static Param, (path, kinds): (&str, &[&'static str]), keys: &mut Vec<Key>) {
     let path = below(path, param.name);
     let same = |key: &&mut Key| key.path == path && format!("{:?}", key.param) == format!("{param:?}");

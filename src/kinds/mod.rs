@@ -1,7 +1,7 @@
 //! The registries: one folder per registry, one file per kind.
 //!
-//! A kind is a descriptor ([`crate::spec::Kind`]) and, beside it, what it does. It sees the world only
-//! through [`Signals`]: plain numbers with documented units, order and frame.
+//! A kind is a descriptor ([`crate::spec::Kind`]) together with its behaviour. Its only access to the world
+//! is [`Signals`]: plain numbers with documented units, order and frame.
 
 pub mod action;
 pub mod deploy;
@@ -30,11 +30,11 @@ pub use signals::Signals;
 use crate::spec::typed::Declared;
 use crate::spec::{Kind, Section};
 
-/// A registry entry of kinds that do something of one sort: rewards, terminations, randomizations.
+/// A registry entry of kinds with a common behaviour: rewards, terminations, randomizations.
 pub struct Entry<Role: ?Sized + 'static> {
-    /// What may be written.
+    /// Its descriptor.
     pub kind: &'static Kind,
-    /// Builds it from its decoded table.
+    /// Builds its behaviour from the decoded table.
     pub build: fn(Section) -> Box<Role>,
 }
 
@@ -44,8 +44,8 @@ pub trait Reward: Send + Sync {
     fn value(&self, signals: &Signals) -> f64;
 }
 
-/// A termination: whether the episode ends here. `memory` holds two numbers (one per foot) that the
-/// term may keep between steps; they are zero at the start of an episode.
+/// A termination: whether the episode ends here. `memory` holds two numbers (one per foot) as state between
+/// steps; they are zero at the start of an episode.
 pub trait Termination: Send + Sync {
     /// Whether the episode ends.
     fn ends(&self, signals: &Signals, memory: &mut [f64; 2]) -> bool;

@@ -3,13 +3,13 @@
 use crate::spec::typed::prelude::*;
 
 choice! {
-    /// A physics engine, as specs name it.
+    /// A physics engine, by its name in specs.
     pub enum EngineName {
         /// rapier
         Rapier = "rapier",
         /// MuJoCo
         Mujoco = "mujoco",
-        /// Our own, which steps many robots at once.
+        /// specforge's own engine, which steps many robots at once.
         Batch = "batch",
     }
 }
@@ -25,21 +25,21 @@ keys! {
     }
 }
 
-/// What is known of an engine beside what it does (`sim/`).
+/// Static facts about an engine.
 #[derive(Clone, Copy, Debug)]
 pub struct EngineFacts {
-    /// What it is, and what it is good for.
+    /// Description, and recommended use.
     pub summary: &'static str,
     /// Its contacts.
     pub contacts: &'static str,
-    /// Whose numbers a simulation in it has: part of the fingerprints.
+    /// Identity of its numerics: part of the fingerprints.
     pub numbers: &'static str,
     /// Whether a contact's time constant is at least two physics steps (E0521).
     pub contacts_take_two_steps: bool,
 }
 
 impl EngineName {
-    /// What is known of the engine.
+    /// Static facts about the engine.
     pub const fn facts(self) -> &'static EngineFacts {
         match self {
             Self::Rapier => &EngineFacts {

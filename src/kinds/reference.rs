@@ -1,26 +1,26 @@
-//! The registries by name, and their reference pages as Markdown: what `list`, `explain` and
-//! `docs/reference/kinds.md` show.
+//! The registries by name, and their reference pages as Markdown: the content of `list`, `explain` and
+//! `docs/kinds.md`.
 
 use std::fmt::Write;
 
 use crate::quantity::Dimension;
 use crate::spec::{Kind, Param, Presence, Ty};
 
-/// A registry: the kinds that may stand in one place of a spec.
+/// A registry: the kinds that are allowed in one place of a spec.
 pub struct Registry {
     /// Its name: `reward`.
     pub name: &'static str,
-    /// Where its kinds are written: `[reward.NAME]`.
+    /// Its place in a spec: `[reward.NAME]`.
     pub place: &'static str,
-    /// What it is for.
+    /// Its purpose.
     pub summary: &'static str,
     /// Its kinds.
     pub kinds: Vec<&'static Kind>,
-    /// What a page says in place of how its kind is written, where that is not `kind = "..."`.
+    /// Text of a page in place of the usual `kind = "..."`.
     pub facts: Option<fn(&Kind) -> String>,
 }
 
-/// Every registry, in the order in which a spec is read.
+/// Every registry, in the order of a spec.
 pub fn registries() -> Vec<Registry> {
     let registry = |name, place, summary, kinds| Registry { name, place, summary, kinds, facts: None };
     let words = |name, place, summary, kinds, facts| Registry {
@@ -29,32 +29,32 @@ pub fn registries() -> Vec<Registry> {
     };
     vec![
         registry("terrain", "[terrain]", "The ground", super::terrain::kinds()),
-        registry("task", "[task]", "What the robot is asked to do", super::task::kinds()),
+        registry("task", "[task]", "The robot's task", super::task::kinds()),
         registry(
             "motion",
             "specs/motions/NAME.toml",
-            "The reference motion that a task names, made for the robot at hand",
+            "The reference motion of a task, adapted to the robot",
             super::motion::kinds(),
         ),
-        registry("initial", "[initial]", "How an episode begins", super::initial::kinds()),
-        registry("action", "[action]", "What the policy commands", super::action::kinds()),
+        registry("initial", "[initial]", "The initial state of episodes", super::initial::kinds()),
+        registry("action", "[action]", "The policy's commands", super::action::kinds()),
         registry(
             "observe",
             "[observe.NAME]",
-            "What the policy sees, in the order of the vector",
+            "The policy's inputs, in the order of the observation vector",
             super::observe::kinds(),
         ),
+        registry("reward", "[reward.NAME]", "Reward terms, each with a `weight`", super::reward::kinds()),
         registry(
-            "reward",
-            "[reward.NAME]",
-            "What earns reward; each term has a `weight`",
-            super::reward::kinds(),
+            "terminate",
+            "[terminate.NAME]",
+            "Conditions that end an episode",
+            super::terminate::kinds(),
         ),
-        registry("terminate", "[terminate.NAME]", "What ends an episode", super::terminate::kinds()),
         registry(
             "randomize",
             "[randomize.NAME]",
-            "What differs from episode to episode",
+            "Domain randomization, drawn for each episode",
             super::randomize::kinds(),
         ),
         registry(
@@ -67,27 +67,27 @@ pub fn registries() -> Vec<Registry> {
         registry(
             "fine_tune",
             "[fine_tune]",
-            "A second training, which goes on from the first in a changed world",
+            "A second training, which continues from the first in a changed environment",
             super::fine_tune::kinds(),
         ),
+        registry("evaluate", "[evaluate.NAME]", "Evaluation of the trained policy", super::evaluate::kinds()),
         registry(
-            "evaluate",
-            "[evaluate.NAME]",
-            "How the trained policy is measured",
-            super::evaluate::kinds(),
+            "deploy",
+            "[deploy.NAME]",
+            "Export of the trained policy, and transfer to another engine",
+            super::deploy::kinds(),
         ),
-        registry("deploy", "[deploy.NAME]", "What is made of the trained policy", super::deploy::kinds()),
         words(
             "metric",
             "[[claim]] metric",
-            "What a claim and a report measure",
+            "Measurements of claims and reports",
             super::metric::kinds(),
             super::metric::facts,
         ),
         words(
             "statistic",
             "[[claim]] test",
-            "How a claim is decided",
+            "Statistical tests of claims",
             super::statistic::kinds(),
             super::statistic::facts,
         ),
@@ -99,15 +99,15 @@ pub fn summary(kind: &Kind) -> &'static str {
     kind.doc.lines().find(|line| !line.trim().is_empty()).unwrap_or_default().trim_start_matches("# ")
 }
 
-/// The page of a kind: its text, its keys and what it reads.
+/// The page of a kind: its text, its keys and the signals that it needs.
 pub fn page(registry: &Registry, kind: &Kind) -> String {
     let mut page = format!("# {}.{}\n\n{}\n\n", registry.name, kind.name, kind.doc.trim());
     if let Some(facts) = registry.facts {
         return page + &facts(kind);
     }
-    let _ = write!(page, "Written in `{}` as `kind = \"{}\"`", registry.place, kind.name);
+    let _ = write!(page, "Set in `{}` with `kind = \"{}\"`", registry.place, kind.name);
     page += if registry.place.contains(".NAME") {
-        ", which may be left out when NAME is the kind.\n"
+        ", which may be left out if NAME is the kind.\n"
     } else {
         ".\n"
     };
@@ -125,7 +125,7 @@ pub fn page(registry: &Registry, kind: &Kind) -> String {
 /// All pages in one document.
 pub fn document() -> String {
     let mut text = String::from(
-        "# The kinds\n\nWhat may be written as `kind` of each table of a spec, with its keys, and the \
+        "# The kinds\n\nThe values of `kind` for each table of a spec, with their keys, and the \
          metrics and tests of claims;\n\
          `specforge explain KIND` prints one page. This document is generated from the descriptors in \
          `src/kinds/`.\n",
@@ -158,7 +158,7 @@ fn rows(prefix: &str, params: &[Param], page: &mut String) {
     }
 }
 
-/// The tables inside a type, whose keys get rows of their own.
+/// The tables inside a type, whose keys get their own rows.
 pub fn tables(ty: &Ty) -> Vec<&'static [Param]> {
     match ty {
         Ty::Table(params) => vec![params],
@@ -168,7 +168,7 @@ pub fn tables(ty: &Ty) -> Vec<&'static [Param]> {
     }
 }
 
-/// What a key takes, in words: its type, and how many items of it.
+/// Description of a key's type, with the length of a list.
 pub fn takes(param: &Param) -> String {
     let words = describe(&param.ty);
     match param.length {
@@ -177,7 +177,7 @@ pub fn takes(param: &Param) -> String {
     }
 }
 
-/// A type in words: `a length ("1 m")`.
+/// Description of a type: `a length ("1 m")`.
 pub fn describe(ty: &Ty) -> String {
     match ty {
         Ty::Flag => "true or false".to_owned(),

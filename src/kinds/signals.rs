@@ -1,10 +1,10 @@
-//! What a kind may see of the world after a control step.
+//! Signals: the state of the world after a control step, as kinds can read it.
 
 use super::motion::Frame;
 
-/// The world after a control step, as plain numbers. Frames: world has x forward at the start, y left,
-/// z up; heading is the world frame turned about z by the base's yaw. Joint vectors are in joint order.
-/// Feet are left, right.
+/// The world after a control step, as plain numbers. Frames: world has x forward at the start, y left, z up;
+/// heading is the world frame rotated about z by the base's yaw. Joint vectors are in joint order. Feet are
+/// left, right.
 #[derive(Clone, Copy, Debug)]
 pub struct Signals<'a> {
     /// Duration of the control step in s.
@@ -23,15 +23,14 @@ pub struct Signals<'a> {
     pub base_position: [f64; 3],
     /// Height of the base origin above the ground below it in m.
     pub base_height: f64,
-    /// Standing height of this episode's robot as a share of the nominal robot's; 1 unless its legs are
-    /// scaled.
+    /// Standing height of this episode's robot divided by the nominal robot's; 1 unless its legs are scaled.
     pub stature: f64,
     /// Orientation of the base, unit quaternion w x y z, world from base.
     pub base_orientation: [f64; 4],
     /// Velocity of the base origin in the heading frame in m/s.
     pub base_velocity: [f64; 3],
-    /// The same, averaged over about a step: an exponential mean with a time constant of half a cycle of the
-    /// motion.
+    /// The velocity averaged over about a step: an exponential average with a time constant of half a cycle
+    /// of the motion.
     pub mean_velocity: [f64; 3],
     /// Angular velocity of the base in the heading frame in rad/s.
     pub base_rate: [f64; 3],
@@ -51,22 +50,22 @@ pub struct Signals<'a> {
     pub previous_foot_force: [[f64; 3]; 2],
     /// Whether each foot carries more than 10 N (step mean of the vertical force).
     pub foot_contact: [bool; 2],
-    /// Whether anything but the feet touched the ground during the step.
+    /// Whether anything other than the feet touched the ground during the step.
     pub body_contact: bool,
-    /// Whether a link is inside another at the end of the step; looked at in trials, and in training where a
-    /// termination needs it.
+    /// Whether links overlap at the end of the step; checked in evaluations, and in training if a termination
+    /// needs it.
     pub self_collision: bool,
-    /// Whether the episode began in the standing pose (not in a state of the reference).
+    /// Whether the episode began in the standing pose rather than in a state of the reference.
     pub standing_start: bool,
 }
 
 #[cfg(test)]
 pub(crate) mod sample {
-    //! An owned world whose every number a test may set.
+    //! An owned world in which a test can set every number.
 
     use super::{Frame, Signals};
 
-    /// The owner of what [`Signals`] borrows; fields have the names and units of [`Signals`].
+    /// The owner of the data that [`Signals`] borrows; fields have the names and units of [`Signals`].
     #[allow(missing_docs)]
     pub struct Sample {
         pub time: f64,
@@ -92,7 +91,7 @@ pub(crate) mod sample {
     }
 
     impl Sample {
-        /// A weightless robot with this many joints that agrees with its reference in everything.
+        /// A massless robot with this many joints that agrees with its reference in everything.
         pub fn new(joints: usize) -> Self {
             let still = vec![0.0; joints];
             Self {
@@ -124,7 +123,7 @@ pub(crate) mod sample {
             }
         }
 
-        /// What a kind sees of it.
+        /// The signals of this world.
         pub fn signals(&self) -> Signals<'_> {
             Signals {
                 step: 0.008,

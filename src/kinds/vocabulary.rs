@@ -1,4 +1,4 @@
-//! The language's vocabulary: its sections and, from the registries, the kinds that may stand in them.
+//! The language's vocabulary: its sections and, from the registries, their kinds.
 
 use super::action::Action;
 use super::deploy::Deployment;
@@ -19,7 +19,7 @@ use crate::robot;
 use crate::spec::typed::{HasKinds, InSection, Keys};
 use crate::spec::{Embedded, Kinds, Param, SectionShape, Shape, Vocabulary, section};
 
-/// Everything that may be written in a spec of this edition.
+/// All allowed keys of a spec in this edition.
 pub fn vocabulary() -> Vocabulary {
     let sections = vec![
         plain::<section::Robot>(true),
@@ -53,18 +53,18 @@ fn one<K: HasKinds>(required: bool) -> SectionShape {
     SectionShape { name, noun, shape: Shape::Kind(all()), required }
 }
 
-/// A section of named terms, which take these keys too.
+/// A section of named terms, which also have these keys.
 fn terms<K: HasKinds>(extra: &'static [Param], required: bool) -> SectionShape {
     let Kinds { section: name, noun, all } = K::KINDS;
     SectionShape { name, noun, shape: Shape::Terms(all(), extra), required }
 }
 
-/// The robots that come with the program.
+/// The robots included in the program.
 fn robots() -> Vec<Embedded> {
     robot::names().filter_map(|name| robot::embedded(name).map(|text| Embedded { name, text })).collect()
 }
 
-/// The motions that come with the program.
+/// The motions included in the program.
 fn motions() -> Vec<Embedded> {
     let embedded =
         |name: &'static str| motion::embedded(&format!("{name}.toml")).map(|text| Embedded { name, text });
@@ -78,7 +78,7 @@ mod tests {
     use super::*;
     use crate::spec::{LoadOptions, load};
 
-    /// What is wrong with a spec of this repository, as lines.
+    /// The mistakes in a spec of this repository, as lines.
     fn mistakes(path: &Path, profile: Option<&str>) -> Vec<String> {
         let options = LoadOptions { profile: profile.map(str::to_owned), ..LoadOptions::default() };
         let loaded = load(path, &options, &vocabulary());
@@ -98,7 +98,7 @@ mod tests {
             for entry in std::fs::read_dir(folder).expect("the folder") {
                 let path = entry.expect("an entry").path();
                 if path.extension().is_some_and(|ending| ending == "toml") {
-                    // A parent of one side of an experiment may have profiles of its own, or none.
+                    // A parent of one arm of an experiment may have its own profiles, or none.
                     let text = std::fs::read_to_string(&path).expect("a file");
                     let whole = !path.parent().is_some_and(|folder| folder.ends_with("base"));
                     let has = |profile: &&str| whole || text.contains(&format!("[profile.{profile}"));

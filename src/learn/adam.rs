@@ -1,4 +1,4 @@
-//! Adam (Kingma and Ba 2015) on flat parameters, in one pass over memory, with moments that can be stored
+//! Adam (Kingma and Ba 2015) on flat parameters, in one pass over memory, with moments that are stored
 //! exactly.
 
 /// Decay of the first moment.
@@ -17,12 +17,12 @@ pub struct Adam {
     pub steps: u64,
 }
 
-/// The factors of one step, the same for all parameters.
+/// Factors of one step, shared by all parameters.
 #[derive(Clone, Copy)]
 pub(super) struct Factors {
-    /// On the gradient, so that its norm keeps its bound.
+    /// Factor that clips the gradient to its bound.
     pub(super) shrink: f32,
-    /// Step sizes with the first moment's bias correction: of the hidden layers and of the last.
+    /// Step sizes, with the first moment's bias correction, of the hidden layers and of the last layer.
     pub(super) rates: [f32; 2],
     /// Square root of the second moment's bias correction.
     pub(super) correction: f32,
@@ -30,7 +30,7 @@ pub(super) struct Factors {
 }
 
 impl Factors {
-    /// The factors of a step, counted from 1, for a gradient of this norm.
+    /// The factors of step `step`, counted from 1, for a gradient of norm `norm`.
     pub(super) fn new(norm: f64, rule: Rule, step: u64) -> Self {
         let decayed = |decay: f64| 1.0 - libm::pow(decay, step as f64);
         Self {
@@ -48,13 +48,13 @@ impl Adam {
         Self { first: vec![0.0; parameters], second: vec![0.0; parameters], steps: 0 }
     }
 
-    /// Whether it is of so many parameters.
+    /// Whether the state belongs to this number of parameters.
     pub fn fits(&self, parameters: usize) -> bool {
         self.first.len() == parameters && self.second.len() == parameters
     }
 
-    /// Moves the parameters against a gradient of this norm, which is first clipped to the rule's bound; the
-    /// last layer's begin at `last`.
+    /// Moves the parameters against the gradient, which has this norm and is first clipped to the rule's
+    /// bound. The last layer's parameters begin at `last`.
     pub fn step(&mut self, parameters: &mut [f32], gradient: &[f32], norm: f64, last: usize, rule: Rule) {
         self.steps += 1;
         let factors = Factors::new(norm, rule, self.steps);
@@ -69,10 +69,10 @@ impl Adam {
     }
 }
 
-/// What a step of Adam is told.
+/// Settings of one step of Adam.
 #[derive(Clone, Copy, Debug)]
 pub struct Rule {
-    /// Step sizes of the hidden layers and of the last.
+    /// Step sizes of the hidden layers and of the last layer.
     pub rates: [f64; 2],
     /// Added to the root of the second moment.
     pub epsilon: f64,
@@ -80,7 +80,7 @@ pub struct Rule {
     pub bound: f64,
 }
 
-/// Euclidean norm, summed in sixteen interleaved parts so that it can use vector registers.
+/// Euclidean norm, summed in sixteen interleaved parts so that the compiler can use vector registers.
 pub(super) fn norm(gradient: &[f32]) -> f64 {
     let (chunks, rest) = gradient.as_chunks::<16>();
     let mut parts = [0.0f32; 16];
@@ -101,7 +101,7 @@ struct Moments<'a> {
     second: &'a mut [f32],
 }
 
-/// The step, with the widest vector registers there are. All versions give the same bits.
+/// The step, with the widest vector registers of the processor. All versions give the same bits.
 fn advance(parameters: &mut [f32], gradient: &[f32], moments: Moments, factors: Factors, rate: f32) {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {

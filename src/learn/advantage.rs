@@ -7,14 +7,14 @@ pub struct Track<'a> {
     pub rewards: &'a [f64],
     /// The critic's value of the state before each step.
     pub values: &'a [f32],
-    /// For a step that ended its episode the value of what would have followed: zero after a failure, the
-    /// critic's value of the last state at a time limit.
+    /// For a step that ended its episode, the value of the continuation: zero after a failure, the critic's
+    /// value of the last state at a time limit.
     pub ends: &'a [Option<f32>],
     /// The critic's value of the state after the last step; not used when that step ended its episode.
     pub last_value: f32,
 }
 
-/// Discounting.
+/// Discount factors.
 #[derive(Clone, Copy, Debug)]
 pub struct Discount {
     /// Discount per control step.

@@ -1,4 +1,4 @@
-//! How fast the parts of a training are by themselves: an update, the policy's inference, and rollouts.
+//! Benchmarks of the parts of a training: an update, the policy's inference, and rollouts.
 
 use std::time::Instant;
 
@@ -28,7 +28,7 @@ pub struct LearnerSpeed {
     pub inference_us_per_sample: f64,
 }
 
-/// Measures one update of 16 384 samples with the paper's networks on made-up numbers.
+/// Measures one update of 16 384 samples with the paper's networks on synthetic data.
 pub fn learner_us_per_sample(minibatch: usize, epochs: usize) -> LearnerSpeed {
     let sizes = Sizes { observation: 30, privileged: 42, action: 13 };
     let settings = settings(minibatch, epochs, sizes);
@@ -44,7 +44,7 @@ pub fn learner_us_per_sample(minibatch: usize, epochs: usize) -> LearnerSpeed {
     let mut learner = Learner::new(Native, [&actor, &critic], &settings);
     let mut update =
         |update| learner.improve(&records, &settings, Place { update, share: 0.0 }, Pace::to_the_end(1));
-    // The first update pays for its buffers.
+    // The first update allocates the buffers, so it is not measured.
     let outcome = update(0).and_then(|_| update(1));
     let inference = inference(&Inference::new(&actor), 32);
     LearnerSpeed {
@@ -56,7 +56,7 @@ pub fn learner_us_per_sample(minibatch: usize, epochs: usize) -> LearnerSpeed {
     }
 }
 
-/// CPU time in s of an inference per row, in batches of so many.
+/// CPU time in s of an inference per row, in batches of `rows` rows.
 fn inference(actor: &Inference, rows: usize) -> f64 {
     const BATCHES: usize = 300;
     let (inputs, mut outputs) = (vec![0.1; rows * actor.inputs()], vec![0.0; rows * actor.outputs()]);
@@ -65,8 +65,8 @@ fn inference(actor: &Inference, rows: usize) -> f64 {
     cpu / (rows * BATCHES) as f64
 }
 
-/// Environments that go from rollout to rollout under freshly drawn networks, and a learner beside them whose
-/// networks are never put to use: every rollout is like the first.
+/// Environments that are stepped through rollouts under freshly drawn networks, and a learner whose networks
+/// are never used to act, so all rollouts are alike.
 pub struct Rollouts<'a> {
     squads: Vec<Squad>,
     networks: [Inference; 2],
@@ -75,7 +75,7 @@ pub struct Rollouts<'a> {
     update: u64,
 }
 
-/// What a rollout took.
+/// Cost of a rollout.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Collected {
     /// Control steps of all environments.
@@ -87,7 +87,7 @@ pub struct Collected {
 }
 
 impl<'a> Rollouts<'a> {
-    /// Environments at the beginning of their first episodes; there is at least one.
+    /// Environments at the beginning of their first episodes; at least one.
     pub fn new(crews: Vec<Box<dyn Crew>>, settings: &'a Settings) -> Result<Self, LearnError> {
         let sizes = crews[0].view(0).sizes();
         let networks =
@@ -116,12 +116,12 @@ impl<'a> Rollouts<'a> {
         Ok(Collected { samples: self.settings.batch(), cpu, wall: start.elapsed().as_secs_f64() })
     }
 
-    /// CPU time in s of the actor's inference per row, in batches as a rollout has them.
+    /// CPU time in s of the actor's inference per row, in the batch size of a rollout.
     pub fn inference(&self) -> f64 {
         inference(&self.networks[0], together(&self.squads, 1))
     }
 
-    /// Learns from the last rollout; CPU time in s of actor and critic.
+    /// Learns from the last rollout and returns the CPU time in s of actor and critic.
     pub fn improve(&mut self, threads: usize) -> Result<[f64; 2], Unfinished> {
         let records: Vec<&Records> =
             self.squads.iter().flat_map(|squad| &squad.lanes).map(|lane| &lane.records).collect();
@@ -171,7 +171,7 @@ fn settings(minibatch: usize, epochs: usize, sizes: Sizes) -> Settings {
     }
 }
 
-/// Records with normally distributed numbers.
+/// Records of normally distributed numbers.
 fn made_up(index: usize, sizes: Sizes, settings: &Settings) -> Records {
     let mut stream = Stream::new(&format!("bench/learner/records/{index}"));
     let mut numbers = |count: usize, scale: f64| -> Vec<f32> {

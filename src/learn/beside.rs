@@ -1,5 +1,5 @@
-//! What a training keeps beside its checkpoint: metrics, TensorBoard's events, exploded episodes. The
-//! checkpoint holds a digest of each, so that what it goes on from is what it left.
+//! The files that a training writes next to its checkpoint: metrics, TensorBoard events, exploded episodes.
+//! The checkpoint holds a digest of each, so that a resumed training detects changed files.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -12,12 +12,12 @@ use crate::bounded;
 
 /// The metrics.
 pub const METRICS: &str = "metrics.jsonl";
-/// TensorBoard's events; it looks for `tfevents` in the name.
+/// TensorBoard's events; TensorBoard looks for `tfevents` in the name.
 pub const EVENTS: &str = "events.out.tfevents.specforge";
 /// Beginning of the names of exploded episodes.
 const EXPLODED: &str = "exploded_";
 
-/// The digests of what lies beside a checkpoint.
+/// The digests of the files next to a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Beside {
@@ -29,13 +29,13 @@ pub struct Beside {
     exploded: BTreeMap<String, String>,
 }
 
-/// The beginning of a file that grows.
+/// The beginning of a growing file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Prefix {
-    /// Bytes.
+    /// Length in bytes.
     bytes: u64,
-    /// BLAKE3 of them.
+    /// BLAKE3 of these bytes.
     blake3: String,
 }
 
@@ -45,7 +45,7 @@ impl Prefix {
         Ok(Self { bytes: bytes.len() as u64, blake3: digest(&bytes) })
     }
 
-    /// Whether a file begins so.
+    /// Whether the file begins with these bytes.
     fn fits(&self, path: &Path) -> bool {
         let bytes = bounded::bytes(path, bounded::ARTEFACT).unwrap_or_default();
         usize::try_from(self.bytes)
@@ -66,28 +66,28 @@ impl Beside {
         Ok(Self { metrics: prefix(METRICS)?, events: prefix(EVENTS)?, exploded })
     }
 
-    /// Checks what cannot be made again: the metrics and the exploded episodes.
+    /// Checks the files that cannot be rebuilt: the metrics and the exploded episodes.
     pub fn check(&self, scratch: &Path) -> Result<(), String> {
         if !self.metrics.fits(&scratch.join(METRICS)) {
-            return Err(format!("{METRICS} beside it is not as it was when it was written"));
+            return Err(format!("{METRICS} has changed since the checkpoint was written"));
         }
         let whole = |(file, known): &(&String, &String)| {
             bounded::bytes(&scratch.join(file), bounded::ARTEFACT)
                 .is_ok_and(|bytes| digest(&bytes) == **known)
         };
         match self.exploded.iter().find(|entry| !whole(entry)) {
-            Some((file, _)) => Err(format!("{file} beside it is not as it was when it was written")),
+            Some((file, _)) => Err(format!("{file} has changed since the checkpoint was written")),
             None => Ok(()),
         }
     }
 
-    /// Bytes of TensorBoard's events, when they are as they were; otherwise they are made again of the
+    /// Length in bytes of TensorBoard's events if they are unchanged; otherwise they are rebuilt from the
     /// metrics.
     pub fn events(&self, scratch: &Path) -> Option<u64> {
         self.events.fits(&scratch.join(EVENTS)).then_some(self.events.bytes)
     }
 
-    /// Removes exploded episodes that are none of the checkpoint's: those of later updates come again.
+    /// Removes exploded episodes that the checkpoint does not list: those of later updates are written again.
     pub fn sweep(&self, scratch: &Path) -> io::Result<()> {
         let others =
             exploded_in(scratch)?.into_iter().filter(|path| !self.exploded.contains_key(&name(path)));
@@ -95,12 +95,12 @@ impl Beside {
     }
 }
 
-/// The file of an exploded episode.
+/// The file name of an exploded episode.
 pub fn exploded_file(environment: usize, episode: u64) -> String {
     format!("{EXPLODED}{environment}_{episode}.json")
 }
 
-/// The exploded episodes that were kept in a folder, sorted by name.
+/// The exploded episodes in a folder, sorted by name.
 pub fn exploded_in(folder: &Path) -> io::Result<Vec<PathBuf>> {
     let paths = folder.read_dir()?.map(|entry| entry.map(|entry| entry.path()));
     let mut paths = paths.collect::<io::Result<Vec<_>>>()?;
@@ -134,7 +134,7 @@ mod tests {
         let health = || (known.check(folder.path()).is_ok(), known.events(folder.path()).is_some());
         write(METRICS, "{\"update\":0}\n{\"update\":1}\n");
         write(EVENTS, "abcdef");
-        assert_eq!(health(), (true, true), "a training went on after the checkpoint");
+        assert_eq!(health(), (true, true), "a training continued after the checkpoint");
         for text in ["{\"update\":1}\n", "{\"update\":0}", ""] {
             write(METRICS, text);
             assert_eq!(health(), (false, true), "{text}");

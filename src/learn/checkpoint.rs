@@ -1,8 +1,8 @@
-//! Checkpoints: everything that a training needs to go on as if it had never stopped.
+//! Checkpoints: everything that a training needs to resume with the same results as without an interruption.
 //!
-//! Random streams are named, so none is stored. The state of a simulator is not stored either: an episode in
-//! flight is begun again and its actions are replayed, which works with every engine and comes out bit for
-//! bit the same.
+//! Random streams are named, so none is stored. The state of a simulator is not stored either: a running
+//! episode is restarted and its actions are replayed, which works with every engine and gives the same state
+//! bit for bit.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -22,13 +22,12 @@ use crate::{finite, safe_fs};
 
 /// The file's name in the scratch folder.
 const NAME: &str = "checkpoint.safetensors";
-/// Raised when the same bytes mean something else, or are not all that there is. The first files do not say
-/// it.
+/// Raised when the meaning of the bytes changes or something is added. The first files have no version.
 const VERSION: u32 = 3;
-/// The program that writes the file; another one may mean something else by the same settings.
+/// Version of the program that writes the file; another version may interpret the same settings differently.
 const TOOL: &str = env!("CARGO_PKG_VERSION");
 
-/// A training between two updates.
+/// The state of a training between two updates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint {
     /// Both networks with their moments: actor, critic.
@@ -37,7 +36,7 @@ pub struct Checkpoint {
     pub episodes: Vec<Episode>,
     /// Counters.
     pub progress: Progress,
-    /// Digests of what lies beside it.
+    /// Digests of the files next to the checkpoint.
     pub beside: Beside,
 }
 
@@ -47,7 +46,7 @@ pub struct Checkpoint {
 pub struct Progress {
     /// The next update.
     pub update: u64,
-    /// The steered step size.
+    /// The current step size of the actor if it is steered.
     pub rate: f64,
     /// Wall time so far in s.
     pub wall: f64,
@@ -57,7 +56,7 @@ pub struct Progress {
     pub lines: u64,
 }
 
-/// What every version's header says.
+/// The part of the header that all versions share.
 #[derive(Deserialize)]
 struct Stamp {
     #[serde(default = "Stamp::first")]
@@ -71,7 +70,7 @@ impl Stamp {
         1
     }
 
-    /// Refuses what another program wrote, in whatever layout.
+    /// Refuses files of other programs and versions, whatever their layout.
     fn check(&self) -> Result<(), String> {
         if self.version != VERSION {
             Err(foreign(format!("its format is {}, this version reads {VERSION}", self.version)))
@@ -87,7 +86,7 @@ fn foreign(what: impl std::fmt::Display) -> String {
     format!("it was written by another version of specforge ({what})")
 }
 
-/// What does not fit into tensors of f32.
+/// The part of a checkpoint that does not fit into tensors of f32.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Header {
@@ -105,12 +104,12 @@ struct Header {
 const TRAINEES: [&str; 2] = ["actor", "critic"];
 
 impl Checkpoint {
-    /// Where a training with this scratch folder keeps it.
+    /// The checkpoint's path in a training's scratch folder.
     pub fn path(scratch: &Path) -> PathBuf {
         scratch.join(NAME)
     }
 
-    /// Writes the checkpoint in place of the previous one, which stays when anything fails.
+    /// Writes the checkpoint in place of the previous one, which remains if anything fails.
     pub fn save(&self, scratch: &Path, settings: &Settings) -> Result<(), LearnError> {
         let mut tensors = Tensors::new();
         for (name, (network, adam)) in TRAINEES.iter().zip(&self.trainees) {
@@ -140,7 +139,7 @@ impl Checkpoint {
         replace(&Self::path(scratch), &sealed(&tensors, &header))
     }
 
-    /// Reads the checkpoint of a training in environments of these sizes, if there is one.
+    /// Reads the checkpoint, if there is one, of a training in environments of these sizes.
     pub fn load(scratch: &Path, settings: &Settings, sizes: Sizes) -> Result<Option<Self>, LearnError> {
         let path = Self::path(scratch);
         let bytes = match bounded::bytes(&path, bounded::ARTEFACT) {
@@ -153,8 +152,8 @@ impl Checkpoint {
         fitting.map(Some).map_err(|reason| LearnError::Checkpoint { path, reason })
     }
 
-    /// Says what is wrong with the checkpoint in a scratch folder and with what lies beside it; `None`
-    /// without one, and of one of another version, which only that version can judge.
+    /// Returns what is wrong with the checkpoint in a scratch folder or with the files next to it. `None`
+    /// without a checkpoint, and for one of another version, which only that version can judge.
     pub fn fault(scratch: &Path) -> Option<String> {
         let bytes = match bounded::bytes(&Self::path(scratch), bounded::ARTEFACT) {
             Ok(bytes) => bytes,
@@ -169,7 +168,7 @@ impl Checkpoint {
         }
         let beside = open(&bytes).map(|(_, header)| header.beside);
         let whole = beside.and_then(|beside| {
-            let lost = || format!("{EVENTS} beside it is not as it was when it was written");
+            let lost = || format!("{EVENTS} has changed since the checkpoint was written");
             beside.check(scratch).and_then(|()| beside.events(scratch).map(drop).ok_or_else(lost))
         });
         whole.err()
@@ -202,7 +201,8 @@ impl Checkpoint {
         Ok(Self { trainees, episodes: episodes?, progress: header.progress, beside: header.beside })
     }
 
-    /// Checks that it is one of a training with these settings; of the moments' lengths knows `gradient`.
+    /// Checks that it belongs to a training with these settings. The lengths of the moments are checked when
+    /// the learner restores them.
     fn check(&self, settings: &Settings, sizes: Sizes) -> Result<(), String> {
         let states = if settings.privileged { sizes.privileged } else { sizes.observation };
         let asked =
@@ -217,11 +217,11 @@ impl Checkpoint {
         }
         let (found, asked) = (self.episodes.len(), settings.environments);
         if found != asked {
-            return Err(format!("it has {found} running episodes, the spec asks for {asked} environments"));
+            return Err(format!("it has {found} running episodes, the spec has {asked} environments"));
         }
         let whole = |episode: &Episode| episode.actions.len() as u64 == episode.steps * sizes.action as u64;
         if let Some(index) = self.episodes.iter().position(|episode| !whole(episode)) {
-            return Err(format!("of the running episode {index} it has not as many actions as steps"));
+            return Err(format!("running episode {index} has different numbers of actions and steps"));
         }
         let (update, updates) = (self.progress.update, settings.end());
         if update > updates {
@@ -231,19 +231,19 @@ impl Checkpoint {
     }
 }
 
-/// The tensors and the header of a file that is whole and of this version.
+/// The tensors and the header of a file that is complete and of this version.
 fn open(bytes: &[u8]) -> Result<(Tensors, Header), String> {
     let (tensors, texts) = file::read(bytes).map_err(|error| error.to_string())?;
     let header = texts.get("training").ok_or("its header is missing")?;
     serde_json::from_str::<Stamp>(header).map_err(foreign)?.check()?;
     if texts.get("digest") != Some(&digest(&tensors, header)) {
-        return Err("it is damaged: its content is not what its digest was made of".to_owned());
+        return Err("it is damaged: its content does not match its digest".to_owned());
     }
     let header = serde_json::from_str(header).map_err(foreign)?;
     Ok((tensors, header))
 }
 
-/// The file of these tensors and this header.
+/// Serializes these tensors and this header with their digest.
 fn sealed(tensors: &Tensors, header: &str) -> Vec<u8> {
     file::write(tensors, &[("training", header), ("digest", &digest(tensors, header))])
 }
@@ -257,7 +257,7 @@ fn take(tensors: &mut BTreeMap<String, (Vec<usize>, Vec<f32>)>, name: &str) -> R
     tensors.remove(name).map(|(_, numbers)| numbers).ok_or_else(|| format!("tensor `{name}` is missing"))
 }
 
-/// Writes a file in one step: either the new bytes are there, on the disk, or the old ones are.
+/// Replaces a file atomically: afterwards the disk has either the new bytes or the old ones.
 pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), LearnError> {
     safe_fs::replace_through(&path.with_extension("draft"), path, bytes).map_err(LearnError::at(path))
 }
@@ -274,7 +274,7 @@ mod tests {
 
     const SIZES: Sizes = Sizes { observation: 2, privileged: 3, action: 1 };
 
-    /// One of the toy's training after three updates.
+    /// A checkpoint of the toy's training after three updates.
     fn checkpoint() -> Checkpoint {
         let network = |inputs: usize| {
             let mut stream = Stream::new("test/checkpoint");
@@ -311,7 +311,7 @@ mod tests {
         assert!(error.code() == Some("R0002") && error.to_string().contains(why), "{error}");
     }
 
-    /// The bytes with another header and the digest that goes with it.
+    /// The bytes with another header and a matching digest.
     fn with_header(bytes: &[u8], change: impl Fn(&mut Value)) -> Vec<u8> {
         let (tensors, texts) = file::read(bytes).unwrap();
         let mut header = serde_json::from_str(&texts["training"]).unwrap();
@@ -340,10 +340,10 @@ mod tests {
     fn a_missing_episode_is_refused() {
         let mut short = checkpoint();
         short.episodes.pop();
-        assert_refused(&written(&short), "it has 4 running episodes, the spec asks for 5 environments");
+        assert_refused(&written(&short), "it has 4 running episodes, the spec has 5 environments");
         let mut torn = checkpoint();
         torn.episodes[2].actions.pop();
-        assert_refused(&written(&torn), "of the running episode 2 it has not as many actions as steps");
+        assert_refused(&written(&torn), "running episode 2 has different numbers of actions and steps");
     }
 
     #[test]

@@ -27,7 +27,7 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// A clock that goes on from these wall and CPU seconds.
+    /// A clock that continues from these wall and CPU seconds.
     pub fn resumed(wall: f64, cpu: f64) -> Self {
         Self { start: Instant::now(), wall_before: wall, cpu }
     }

@@ -1,5 +1,5 @@
-//! Broken episodes on the disk: the name of an episode's random stream and all its actions, from which the
-//! same environment plays it again bit for bit.
+//! Broken episodes on disk: the name of an episode's random stream and all its actions, with which the same
+//! environment replays it bit for bit.
 
 use std::path::{Path, PathBuf};
 
@@ -8,10 +8,10 @@ use super::checkpoint::replace;
 use super::error::LearnError;
 use super::lane::Episode;
 
-/// How many exploded episodes of a training are kept; all are counted.
+/// Number of exploded episodes of a training that are stored; all are counted.
 const KEPT: usize = 10;
 
-/// An episode as it is written.
+/// A broken episode to be stored.
 pub struct Broken<'a> {
     /// Name of its random stream.
     pub stream: String,
@@ -19,7 +19,7 @@ pub struct Broken<'a> {
     pub episode: &'a Episode,
     /// Length of an action.
     pub width: usize,
-    /// Names and values of the reward terms in the last step, where there were any.
+    /// Names and values of the reward terms in the last step, if any.
     pub terms: Option<(&'a [String], &'a [f64])>,
 }
 
@@ -33,7 +33,7 @@ impl Broken<'_> {
             "actions": actions,
         });
         if let Some((names, values)) = self.terms {
-            // As text, because JSON has no word for what is not a number.
+            // As text, because JSON cannot represent NaN or infinity.
             let values = values.iter().map(|value| value.to_string().into());
             let values: serde_json::Map<_, _> = names.iter().cloned().zip(values).collect();
             document["term_values"] = values.into();
@@ -41,8 +41,8 @@ impl Broken<'_> {
         replace(path, document.to_string().as_bytes())
     }
 
-    /// Keeps it among the first exploded episodes of a training and gives the file, or `None` when there are
-    /// enough. An episode that comes again after a resumption replaces itself.
+    /// Stores the episode if it is among the first exploded ones of a training and returns its file, or
+    /// `None` if enough are stored. After a resumption the same episode replaces its own file.
     pub fn keep(&self, folder: &Path, environment: usize) -> Result<Option<PathBuf>, LearnError> {
         let path = folder.join(exploded_file(environment, self.episode.number));
         let known = kept(folder)?;
@@ -54,7 +54,7 @@ impl Broken<'_> {
     }
 }
 
-/// The exploded episodes that were kept in a folder, sorted by name.
+/// The exploded episodes in a folder, sorted by name.
 pub fn kept(folder: &Path) -> Result<Vec<PathBuf>, LearnError> {
     exploded_in(folder).map_err(LearnError::at(folder))
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::finite::NotFinite;
 
-/// Why a training ended without a policy.
+/// Reasons why a training ended without a policy.
 #[derive(Debug, thiserror::Error)]
 pub enum LearnError {
     /// A reward became NaN or infinite.
@@ -20,12 +20,12 @@ pub enum LearnError {
         episode: u64,
         /// Control step in the episode.
         step: u64,
-        /// File with the stream's name and the actions.
+        /// File with the name of the random stream and the actions.
         dump: PathBuf,
     },
-    /// The physics of every episode left the realm of numbers.
+    /// The simulation diverged (NaN or infinity) in every episode of an update.
     #[error(
-        "the physics left the realm of numbers in all {episodes} episodes that ended in update {update}; \
+        "the simulation diverged (NaN or infinity) in all {episodes} episodes that ended in update {update}; \
          one of them is in {dump}"
     )]
     Exploded {
@@ -33,7 +33,7 @@ pub enum LearnError {
         update: u64,
         /// How many episodes there were.
         episodes: u64,
-        /// File with the stream's name and the actions.
+        /// File with the name of the random stream and the actions.
         dump: PathBuf,
     },
     /// A gradient became NaN or infinite.
@@ -42,7 +42,7 @@ pub enum LearnError {
         /// Index of the update.
         update: u64,
     },
-    /// The same in a pre-training.
+    /// A gradient became NaN or infinite in a pre-training.
     #[error(
         "a gradient is not a number in step {step} of the pre-training: the samples, their labels or \
          `pretrain.learning_rate` are too large"
@@ -61,7 +61,7 @@ pub enum LearnError {
         /// Which number, and its value.
         what: String,
     },
-    /// The same of what a pre-training reached.
+    /// A result of a pre-training became NaN or infinite.
     #[error(
         "the pre-training diverged: {what}: the samples, their labels or `pretrain.learning_rate` are too \
          large"
@@ -70,27 +70,27 @@ pub enum LearnError {
         /// Which number, and its value.
         what: String,
     },
-    /// A file would have a number that is NaN or infinite.
+    /// A number in an output file would be NaN or infinite.
     #[error("{file}: {found}")]
     NotFinite {
         /// The file that was not written.
         file: String,
-        /// The number.
+        /// The number and its place.
         found: NotFinite,
     },
-    /// The spec asks for libtorch, and this build has none.
+    /// The spec requires libtorch, and this build has none.
     #[error("`learn.backend` is \"torch\", and this specforge was built without libtorch")]
     Backend,
-    /// The spec asks for CUDA, and libtorch has none or finds no such device.
+    /// The spec requires CUDA, and libtorch lacks it or finds no such device.
     #[error(
         "`learn.device` is \"cuda\", and {}",
         if *linked { "libtorch finds no CUDA device here" } else { "this libtorch has no CUDA" }
     )]
     Device {
-        /// Whether this libtorch has CUDA.
+        /// Whether this libtorch supports CUDA.
         linked: bool,
     },
-    /// The processor cannot compute a training's products with the bits that its recipe stands for.
+    /// The processor lacks the instructions that give a training its reproducible bits.
     #[error(
         "this processor has no AVX2 and FMA instructions, without which trainings would have other numbers"
     )]
@@ -106,21 +106,21 @@ pub enum LearnError {
     /// The pre-trained actor or the environments do not fit the settings.
     #[error("{0}")]
     Shape(String),
-    /// A file could not be read or written. The last checkpoint is still there.
+    /// A file could not be read or written. The last checkpoint remains.
     #[error("{path}: {error}")]
     File {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         error: io::Error,
     },
-    /// It was asked to stop and can be resumed.
-    #[error("interrupted; the next run goes on from the checkpoint")]
+    /// The training was interrupted and can be resumed.
+    #[error("interrupted; the next run resumes from the checkpoint")]
     Interrupted,
 }
 
 impl LearnError {
-    /// The run-time code of `specforge explain`, where there is one.
+    /// The run-time code for `specforge explain`, if the error has one.
     pub fn code(&self) -> Option<&'static str> {
         match self {
             Self::Reward { .. }
@@ -138,7 +138,7 @@ impl LearnError {
         }
     }
 
-    /// What to do about it, where there is something to say.
+    /// How to fix it, if there is general advice.
     pub fn help(&self) -> Option<String> {
         match self {
             Self::Backend => Some(
@@ -149,7 +149,7 @@ impl LearnError {
             Self::Device { linked } => Some(format!(
                 "{}, or leave `device` out; `specforge explain R0006` says more",
                 if *linked {
-                    "run on a machine with such a device, whose driver is as new as libtorch asks \
+                    "run on a machine with such a device, whose driver is recent enough for libtorch \
                      (`nvidia-smi` shows both)"
                 } else {
                     "build with LIBTORCH set to a libtorch for CUDA"
@@ -161,7 +161,7 @@ impl LearnError {
                     .into(),
             ),
             Self::Checkpoint { path, .. } => Some(format!(
-                "delete {} to train from the beginning, or go on with the version that wrote it; \
+                "delete {} to train from the beginning, or continue with the version that wrote it; \
                  `specforge explain R0002` says more",
                 path.display()
             )),
@@ -169,7 +169,7 @@ impl LearnError {
         }
     }
 
-    /// The fault of a file that would have such a number.
+    /// The error for a file that would contain such a number.
     pub(super) fn not_finite(file: &str, found: NotFinite) -> Self {
         Self::NotFinite { file: file.to_owned(), found }
     }
@@ -181,7 +181,7 @@ impl LearnError {
     }
 }
 
-/// Whether a write failed for want of room: on the disk, in a quota or under `ulimit -f`.
+/// Whether a write failed for lack of space: on the disk, in a quota or under `ulimit -f`.
 fn is_full(kind: io::ErrorKind) -> bool {
     matches!(kind, io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge)
 }

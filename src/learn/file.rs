@@ -7,23 +7,24 @@ use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 
 use super::network::{Activation, Layer, Network};
 
-/// Largest header in bytes. That of a policy holds its contract and its environment, some hundred kilobytes.
+/// Largest header in bytes. A policy's header holds its contract and its environment, a few hundred
+/// kilobytes.
 const LARGEST_HEADER: u64 = 32 << 20;
-/// Most tensors: a checkpoint has one for each environment.
+/// Largest number of tensors: a checkpoint has one for each environment.
 const MOST_TENSORS: usize = 100_000;
-/// The key that every tensor of a header has once.
+/// The key that occurs once per tensor in a header.
 const TENSOR: &[u8] = b"\"data_offsets\"";
 
-/// Why a file is not a network.
+/// Reasons why a file is not a network.
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
-    /// The bytes are no safetensors file.
+    /// Not a safetensors file.
     #[error("not a safetensors file: {0}")]
     Format(String),
     /// A tensor is missing or has another shape or type.
     #[error("tensor `{0}` is missing, is not f32, or has a shape that does not fit")]
     Tensor(String),
-    /// The header names no known activation.
+    /// The activation in the header is missing or unknown.
     #[error("the header names no known activation")]
     Activation,
 }
@@ -31,7 +32,7 @@ pub enum FileError {
 /// Numbers with a name and a shape.
 pub type Tensors = BTreeMap<String, (Vec<usize>, Vec<f32>)>;
 
-/// The same in double precision, for what is no network.
+/// Tensors in double precision, for data other than networks.
 pub type Doubles = BTreeMap<String, (Vec<usize>, Vec<f64>)>;
 
 impl Network {
@@ -85,12 +86,12 @@ impl Network {
     }
 }
 
-/// Tensors and header texts as a safetensors file; the bytes depend on nothing else.
+/// Serializes tensors and header texts as a safetensors file; the bytes depend on nothing else.
 pub fn write(tensors: &Tensors, header: &[(&str, &str)]) -> Vec<u8> {
     write_with(tensors, &Doubles::new(), header)
 }
 
-/// The same with numbers in double precision beside the tensors; no two names may be equal.
+/// As [`write`], with further tensors in double precision. All names must be different.
 pub fn write_with(tensors: &Tensors, doubles: &Doubles, header: &[(&str, &str)]) -> Vec<u8> {
     let single = tensors.iter().map(|(name, (shape, data))| {
         (name, Dtype::F32, shape, data.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>())
@@ -104,7 +105,7 @@ pub fn write_with(tensors: &Tensors, doubles: &Doubles, header: &[(&str, &str)])
             .expect("a tensor holds as many numbers as its shape");
         (name.as_str(), view)
     });
-    // One text, so that the order of a hash map cannot show in the file.
+    // A single header text, so that the order of a hash map cannot affect the file.
     let header =
         serde_json::to_string(&header.iter().copied().collect::<BTreeMap<_, _>>()).expect("texts are JSON");
     let metadata = [("specforge".to_owned(), header)].into_iter().collect();
@@ -151,8 +152,8 @@ pub fn read_with(bytes: &[u8]) -> Result<(Tensors, Doubles, BTreeMap<String, Str
     Ok((tensors, doubles, header))
 }
 
-/// Refuses a file whose header is too large to be one of ours, before it is parsed: each tensor of it takes
-/// many times the memory of its text.
+/// Refuses a file with an oversized header before it is parsed: each tensor takes many times the memory of
+/// its text.
 fn small_header(bytes: &[u8]) -> Result<(), FileError> {
     let Some((length, rest)) = bytes.split_first_chunk() else { return Ok(()) };
     let length = u64::from_le_bytes(*length);
@@ -171,7 +172,7 @@ fn small_header(bytes: &[u8]) -> Result<(), FileError> {
     Ok(())
 }
 
-/// Whether all numbers of a safetensors file are finite; of a file that cannot be read nothing is known.
+/// Whether all numbers of a safetensors file are finite; unknown if the file cannot be read.
 pub fn is_finite(bytes: &[u8]) -> bool {
     let file = small_header(bytes).ok().and_then(|()| SafeTensors::deserialize(bytes).ok());
     let Some(file) = file else { return true };
@@ -184,8 +185,8 @@ pub fn is_finite(bytes: &[u8]) -> bool {
     })
 }
 
-/// BLAKE3 of everything in a file, as hex: names, shapes and numbers, and header texts with their keys. That
-/// of the digest itself is left out by the caller.
+/// BLAKE3, as hex, of everything in a file: names, shapes, numbers, and header texts with their keys. The
+/// caller leaves out the text that holds the digest.
 pub fn digest(tensors: &Tensors, doubles: &Doubles, header: &[(&str, &str)]) -> String {
     let mut hasher = blake3::Hasher::new_derive_key("specforge file digest v2");
     let mut part = |bytes: &[u8]| {
@@ -263,7 +264,7 @@ mod tests {
         };
         assert!(refused(&format!("{{{}}}", tensors.join(","))).contains("more than the 32 MiB allowed"));
         assert!(refused(&format!("{{{}}}", tensors[..200_000].join(","))).contains("lists 200000 tensors"));
-        // A length that lies is the library's to refuse.
+        // The library refuses a wrong length.
         assert!(matches!(read(&[0xff; 16]), Err(FileError::Format(_))));
         assert!(matches!(read(&[1, 0]), Err(FileError::Format(_))));
     }

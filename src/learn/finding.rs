@@ -1,41 +1,39 @@
-//! What the run-time checks of a training find. Knows none of the checks.
+//! Findings: what the run-time checks of a training report. Independent of the checks themselves.
 //!
 //! A [`Finding`] is a warning of the range W0601 to W0608 with the sample count at which its cause began and,
 //! when it went away, ended.
 
 use serde::{Deserialize, Serialize};
 
-/// A cause that was found, once per training.
+/// A problem found in a training; each is reported once per training.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Finding {
     /// The code of its page, for example `W0601`.
     pub code: String,
-    /// What it is about: the name of an action or of a reward term; empty for the training as a whole.
+    /// Name of the action or reward term that it is about; empty for the training as a whole.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub subject: String,
     /// What is wrong, with the numbers of the update in which it was found.
     pub message: String,
     /// Samples after the first update of its cause.
     pub since: u64,
-    /// Samples after the last update of its cause; `None` while it is there.
+    /// Samples after the last update of its cause; `None` while it persists.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub until: Option<u64>,
 }
 
-/// The first thing to try, in one line; the page of the code says more.
+/// The first fix to try, in one line; the page of the code says more.
 pub fn cure(code: &str) -> &'static str {
     match code {
         "W0601" => "lower `learn.learning_rate`, or give the critic a longer `learn.warm_up`",
         "W0602" => {
-            "ask less of the joint (`action`, the reference motion), or give it more in the robot's file"
+            "lower the load on the joint (`action`, the reference motion), or raise its limits (robot file)"
         }
-        "W0603" => {
-            "look at what the action moves: a joint that the reward does not feel, or a network that is dead"
-        }
+        "W0603" => "check what the action moves: a joint without effect on the reward, or a dead network",
         "W0604" => "lower `learn.learning_rate`, or use `activation = \"tanh\"`",
-        "W0605" => "let the critic see more (`learn.value.privileged`), or lower `learn.value.learning_rate`",
+        "W0605" => "set `learn.value.privileged`, or lower `learn.value.learning_rate`",
         "W0606" => "end episodes that stand still with `terminate.contact_schedule`",
-        "W0607" => "choose the term's `k` so that it tells good from bad, or drop the term",
+        "W0607" => "choose the term's `k` so that its value varies between states, or drop the term",
         "W0608" => "lower `learn.value.learning_rate`, or scale the rewards with `learn.reward_scale`",
         _ => "see its page",
     }

@@ -1,6 +1,6 @@
 //! Networks laid out for inference in plain Rust.
 //!
-//! The rollout, the evaluation and the deployed policy use this and never call libtorch.
+//! Rollouts, evaluations and deployed policies use this; it never calls libtorch.
 
 use super::network::{Activation, Network};
 use super::product::Panels;
@@ -12,7 +12,7 @@ pub struct Scratch {
     target: Vec<f32>,
 }
 
-/// A network laid out for inference: made once for as long as its parameters stay as they are.
+/// A network laid out for inference; valid as long as its parameters do not change.
 #[derive(Clone, Debug)]
 pub struct Inference {
     layers: Vec<Panels>,
@@ -35,7 +35,7 @@ impl Inference {
         self.layers.last().map_or(0, |layer| layer.outputs)
     }
 
-    /// How many hidden units are zero in every row of a batch, and how many there are.
+    /// Number of hidden units that are zero in every row of a batch, and the number of all hidden units.
     pub fn idle_units(&self, inputs: &[f32]) -> [usize; 2] {
         let (mut source, mut idle, mut units) = (inputs.to_vec(), 0, 0);
         let hidden = &self.layers[..self.layers.len() - 1];

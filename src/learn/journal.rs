@@ -19,7 +19,7 @@ pub(super) struct Journal {
 }
 
 impl Journal {
-    /// Opens the file and keeps its first lines. It is an error when there are fewer.
+    /// Opens the file and truncates it to its first `lines` lines. Fails if there are fewer.
     pub fn open(path: PathBuf, lines: u64) -> Result<Self, LearnError> {
         let text = match bounded::text(&path, bounded::RECORD) {
             Ok(text) => text,

@@ -13,8 +13,8 @@ pub struct Squad {
     pub(super) lanes: Vec<Lane>,
 }
 
-/// The running episode of one environment with the records of the current rollout. Everything is kept between
-/// rollouts, nothing is allocated in one but the rare bootstrap states and a growing action log.
+/// The running episode of one environment with the records of the current rollout. Buffers are reused between
+/// rollouts; a rollout allocates only the rare bootstrap states and a growing action log.
 pub struct Lane {
     /// Index of the environment among all.
     pub(super) index: usize,
@@ -24,27 +24,27 @@ pub struct Lane {
     pub records: Records,
     /// Sums over the rollout.
     pub tally: Tally,
-    /// The first episode of the rollout whose physics left the realm of numbers.
+    /// The first episode of the rollout in which the simulation diverged (NaN or infinity).
     pub(super) exploded: Option<Episode>,
     /// Where the rollout began.
     began: Began,
 }
 
-/// Where a rollout began: in the middle of an episode.
+/// Where a rollout began in a running episode.
 #[derive(Clone, Debug, Default)]
 struct Began {
     /// That episode without its actions.
     episode: Episode,
-    /// How many numbers its actions were.
+    /// Length of its action list at that time.
     length: usize,
-    /// Its actions, once it is over.
+    /// All its actions, once it has ended.
     actions: Option<Vec<f32>>,
 }
 
-/// The running episode: what has to be stored to come back to the same state by replay.
+/// A running episode: what has to be stored to reach the same state by replay.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Episode {
-    /// How many episodes this environment began before.
+    /// Number of episodes that this environment began before.
     pub number: u64,
     /// All actions of this episode, one row per control step.
     pub actions: Vec<f32>,
@@ -61,15 +61,15 @@ pub struct Records {
     pub observations: Vec<f32>,
     /// The critic's inputs.
     pub states: Vec<f32>,
-    /// The actions that were drawn, not clipped.
+    /// The sampled actions, before clipping.
     pub actions: Vec<f32>,
     /// The actor's outputs.
     pub means: Vec<f32>,
     /// Rewards, scaled for learning.
     pub rewards: Vec<f64>,
-    /// The critic's values, one more than steps: the last is that of the state after the rollout.
+    /// The critic's values, one more than steps: the last belongs to the state after the rollout.
     pub values: Vec<f32>,
-    /// For a step that ended its episode the value of what would have followed.
+    /// For a step that ended its episode, the value of the continuation.
     pub ends: Vec<Option<f32>>,
     /// Advantages of the actions.
     pub advantages: Vec<f32>,
@@ -95,19 +95,20 @@ pub struct Tally {
     pub reward: f64,
     /// Sum of each reward term.
     pub terms: Vec<f64>,
-    /// Control steps that ended in no failure, after which a robot would be paid nothing.
+    /// Control steps that did not end in a failure. A failing step is paid nothing.
     pub sound: u64,
     /// Sum and sum of squares of each reward term over the sound steps.
     pub moments: Vec<[f64; 2]>,
-    /// Control steps after which the feet are known.
+    /// Control steps after which the foot contacts are known.
     pub stances: u64,
-    /// Those on one foot alone: the robot's, the reference's.
+    /// Control steps in single support, of the robot and of the reference.
     pub single_support: [u64; 2],
-    /// Number of episodes that ended by each cause, then at the time limit, then by an exploded state.
+    /// Number of episodes that ended by each cause, then by the time limit, then by divergence of the
+    /// simulation.
     pub ends: Vec<u64>,
 }
 
-/// A reward that is no number: environment, episode, control step.
+/// Position of a reward that is NaN or infinite: environment, episode, control step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotANumber {
     /// Index of the environment.
@@ -119,7 +120,7 @@ pub struct NotANumber {
 }
 
 impl Squad {
-    /// One squad for each of these crews, before their first episodes.
+    /// One squad for each crew, before the first episodes.
     pub fn all(crews: Vec<Box<dyn Crew>>, settings: &Settings) -> Vec<Self> {
         let mut first = 0;
         let mut squads = Vec::new();
@@ -132,7 +133,7 @@ impl Squad {
         squads
     }
 
-    /// The same at the beginning of their first episodes.
+    /// As [`Squad::all`], at the beginning of the first episodes.
     pub fn begun(crews: Vec<Box<dyn Crew>>, settings: &Settings) -> Vec<Self> {
         let mut squads = Self::all(crews, settings);
         for squad in &mut squads {
@@ -141,8 +142,8 @@ impl Squad {
         squads
     }
 
-    /// Environments in the middle of these episodes, which are begun and replayed action by action. `None` if
-    /// `stop` returns true between two control steps.
+    /// Environments in the middle of these episodes, which are restarted and replayed action by action.
+    /// `None` if `stop` returns true between two control steps.
     pub fn replayed(
         self,
         episodes: Vec<Episode>,
@@ -185,8 +186,7 @@ impl Squad {
         }
     }
 
-    /// All environments take their recorded actions of this step of the rollout, and what follows is
-    /// recorded.
+    /// Applies the recorded actions of this step of the rollout in all environments and records the results.
     pub(super) fn advance(&mut self, step: usize, settings: &Settings) -> Result<(), NotANumber> {
         for (slot, lane) in self.lanes.iter().enumerate() {
             self.crew.act(slot, lane.action(step, settings));
@@ -236,7 +236,7 @@ impl Lane {
         self.began = Began { episode, length: self.episode.actions.len(), actions: None };
     }
 
-    /// The episode that was running when the present rollout began, as it was then.
+    /// The episode that was running when the current rollout began, in its state at that time.
     pub(super) fn at_start(&self) -> Episode {
         let Began { episode, length, actions } = &self.began;
         let actions = actions.as_ref().unwrap_or(&self.episode.actions);
@@ -249,7 +249,7 @@ impl Lane {
         &self.records.actions[step * width..(step + 1) * width]
     }
 
-    /// Records what followed the action of a step of the rollout.
+    /// Records the result of an action of the rollout.
     fn record(
         &mut self,
         step: usize,
@@ -298,7 +298,7 @@ impl Lane {
     }
 }
 
-/// Writes the critic's inputs of the present state.
+/// Writes the critic's inputs of the current state.
 pub(super) fn observe_state(view: &dyn View, privileged: bool, row: &mut [f32]) {
     if privileged { view.observe_privileged(row) } else { view.observe(row) }
 }
@@ -314,7 +314,7 @@ impl Records {
         let state = if settings.privileged { sizes.privileged } else { sizes.observation };
         Self {
             observations: vec![0.0; steps * sizes.observation],
-            // One more row: the state after the rollout.
+            // One more row, for the state after the rollout.
             states: vec![0.0; (steps + 1) * state],
             actions: vec![0.0; steps * sizes.action],
             means: vec![0.0; steps * sizes.action],
@@ -340,7 +340,7 @@ impl Tally {
     fn step(&mut self, reward: f64, terms: &[f64]) {
         self.steps += 1;
         self.reward += reward;
-        // A state beyond the realm of numbers may leave a term there too; it is counted as an explosion.
+        // A diverged state can make a reward term NaN or infinite; it is counted as an explosion.
         self.terms
             .iter_mut()
             .zip(terms)
@@ -348,7 +348,7 @@ impl Tally {
             .for_each(|(sum, term)| *sum += term);
     }
 
-    /// Counts a sound step for the spread of the reward terms.
+    /// Adds a sound step to the moments of the reward terms.
     fn pay(&mut self, terms: &[f64]) {
         self.sound += 1;
         for ([sum, squares], term) in self.moments.iter_mut().zip(terms) {
@@ -385,7 +385,7 @@ impl Tally {
         }] += 1;
     }
 
-    /// Number of episodes that ended in an exploded state.
+    /// Number of episodes that ended by divergence of the simulation.
     pub fn exploded(&self) -> u64 {
         self.ends.last().copied().unwrap_or(0)
     }

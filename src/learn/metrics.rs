@@ -1,4 +1,4 @@
-//! What is known of a training after each update: a line of `metrics.jsonl`; and at its end: `summary.json`.
+//! Metrics of a training: after each update a line of `metrics.jsonl`, at the end `summary.json`.
 
 use std::collections::BTreeMap;
 
@@ -9,8 +9,8 @@ use super::finding::Finding;
 use super::lane::{Records, Tally};
 use super::settings::Settings;
 
-/// The metrics of one update. Means of episodes are of those that ended in it. What the files of earlier
-/// versions lack is empty or `None`.
+/// The metrics of one update. Means over episodes cover those that ended in it. Fields that files of earlier
+/// versions lack are empty or `None`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct UpdateMetrics {
@@ -26,11 +26,11 @@ pub struct UpdateMetrics {
     pub wall_s: f64,
     /// CPU time so far in s, over all threads.
     pub cpu_s: f64,
-    /// CPU time of this update's passes over the rollout in s, both networks.
+    /// CPU time in s of this update's passes over the rollout, both networks.
     pub learner_cpu_s: f64,
     /// Samples per second of wall time in this update.
     pub samples_per_s: f64,
-    /// Episodes that ended.
+    /// Number of episodes that ended in this update.
     pub episodes: u64,
     /// Their mean return (undiscounted, unscaled sum of rewards).
     pub return_mean: Option<f64>,
@@ -54,22 +54,22 @@ pub struct UpdateMetrics {
     pub learning_rate: f64,
     /// Passes of the actor over the rollout; 0 in the warm-up.
     pub epochs: u64,
-    /// Mean norm of the actor's gradient before it is shortened.
+    /// Mean norm of the actor's gradient before clipping.
     pub actor_gradient_norm: f64,
-    /// Mean norm of the critic's gradient before it is shortened.
+    /// Mean norm of the critic's gradient before clipping.
     pub critic_gradient_norm: f64,
-    /// Standard deviation of each weighted reward term over the control steps that ended in no failure.
+    /// Standard deviation of each weighted reward term over the control steps that did not end in a failure.
     pub term_spread: BTreeMap<String, f64>,
     /// Share of the samples in which the policy's mean is beyond the range of each action, where it is
     /// clipped.
     pub action_saturation: BTreeMap<String, f64>,
-    /// Standard deviation of the policy's mean over the samples, per standard deviation of the exploration.
+    /// Standard deviation of the policy's mean over the samples, in standard deviations of the exploration.
     pub action_spread: BTreeMap<String, f64>,
     /// Share of the actor's hidden units that are zero in all of 256 states of the rollout.
     pub dead_units: Option<f64>,
-    /// Share of the control steps on one foot alone.
+    /// Share of the control steps in single support.
     pub single_support: Option<f64>,
-    /// The same of the reference motion.
+    /// Share of the control steps in which the reference motion is in single support.
     pub reference_single_support: Option<f64>,
     /// The least of the critic's targets.
     pub target_min: Option<f64>,
@@ -79,13 +79,14 @@ pub struct UpdateMetrics {
     pub value_min: Option<f64>,
     /// The greatest of the critic's values before the update.
     pub value_max: Option<f64>,
-    /// What the run-time checks found in this update for the first time.
+    /// New findings of the run-time checks in this update.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<Finding>,
 }
 
 impl UpdateMetrics {
-    /// The part that the rollout knows: sums, with the names of the reward terms and of the causes of an end.
+    /// The metrics that follow from the rollout's sums, with the names of the reward terms and of the causes
+    /// of an end.
     pub(super) fn of_rollout(tally: &Tally, names: &Names, settings: &Settings) -> Self {
         let mean = |sum: f64, count: u64| (count > 0).then(|| sum / count as f64);
         let steps = tally.steps.max(1) as f64;
@@ -103,7 +104,8 @@ impl UpdateMetrics {
         }
     }
 
-    /// The metrics as a line of `metrics.jsonl`, with its line break. Their numbers were found to be finite.
+    /// The metrics as a line of `metrics.jsonl`, with its line break. The caller has checked that all numbers
+    /// are finite.
     pub(super) fn line(&self) -> String {
         serde_json::to_string(self).expect("metrics are plain numbers and names") + "\n"
     }
@@ -116,10 +118,10 @@ pub(super) struct Names {
     pub ends: Vec<String>,
 }
 
-/// The whole training: `summary.json`.
+/// Summary of a whole training: `summary.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
-    /// Samples learned from.
+    /// Number of samples used for learning.
     pub samples: u64,
     /// Updates.
     pub updates: u64,
@@ -133,17 +135,17 @@ pub struct Summary {
     pub cpu_us_per_sample: f64,
     /// Samples per second of wall time.
     pub samples_per_s: f64,
-    /// Mean return of the episodes that ended in the last update in which any did.
+    /// Mean return of the episodes of the last update in which any ended.
     pub return_mean: Option<f64>,
     /// Their mean length in s.
     pub length_mean_s: Option<f64>,
-    /// What the run-time checks found; `None` in files of versions that had none.
+    /// Findings of the run-time checks; `None` in files of versions without checks.
     #[serde(default)]
     pub warnings: Option<Vec<Finding>>,
 }
 
 impl Summary {
-    /// Sums up a training from its clock and the last metrics with a finished episode.
+    /// Summarizes a training from its clock and the last metrics with a finished episode.
     pub(super) fn new(
         samples: u64,
         clock: &Clock,

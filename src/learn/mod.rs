@@ -1,6 +1,6 @@
 //! Learning: rollouts, networks, PPO, pre-training, checkpoints.
 //!
-//! Knows environments only through [`crate::env::Crew`]. libtorch's types do not leave `backend/torch/`.
+//! Environments are known only through [`crate::env::Crew`]. libtorch's types stay in `backend/torch/`.
 
 pub mod adam;
 pub mod advantage;

@@ -1,6 +1,6 @@
-//! Plain-Rust networks of the actor and the critic: layout and initial values.
+//! Networks of the actor and the critic in plain Rust: layout and initial values.
 //!
-//! `learn::inference` runs them, `learn::gradient` trains them.
+//! `learn::inference` runs them, `learn::backend` trains them.
 
 use serde::{Deserialize, Serialize};
 
@@ -20,7 +20,7 @@ pub struct Layer {
     pub outputs: usize,
 }
 
-/// A multilayer perceptron; the activation stands between layers, not after the last.
+/// A multilayer perceptron; the activation is applied between layers, not after the last.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Network {
     /// The layers.
@@ -81,14 +81,14 @@ impl Network {
         self.layers.iter().map(|layer| layer.inputs).chain([self.outputs()]).collect()
     }
 
-    /// Whether all parameters are numbers.
+    /// Whether all parameters are finite.
     pub fn is_finite(&self) -> bool {
         self.layers.iter().all(|layer| layer.weight.iter().chain(&layer.bias).all(|x| x.is_finite()))
     }
 }
 
 /// A random matrix, row-major, whose rows (or columns, if there are fewer of them) are orthonormal and
-/// uniformly distributed: Gram and Schmidt applied twice to normal vectors.
+/// uniformly distributed: Gram-Schmidt applied twice to normal vectors.
 fn orthogonal(rows: usize, columns: usize, stream: &mut Stream) -> Vec<f64> {
     let (count, length) = (rows.min(columns), rows.max(columns));
     let mut basis: Vec<Vec<f64>> = Vec::with_capacity(count);

@@ -1,17 +1,17 @@
-//! How an update is worked on: on how many threads, and whether to go on at all.
+//! Execution of an update: the number of threads, and when to stop early.
 
-/// The threads of a rollout and of the learning from it, and what ends both early. Neither changes a number:
-/// what is ended early is discarded.
+/// The threads of a rollout and of the learning from it, and the condition that ends both early. Neither
+/// changes results: an update that ends early is discarded.
 #[derive(Clone, Copy)]
 pub struct Pace<'a> {
     /// Number of threads.
     pub threads: usize,
-    /// Asked between control steps and between minibatches, on every thread: true ends the update.
+    /// Called between control steps and between minibatches, on every thread; true ends the update.
     pub stop: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl Pace<'static> {
-    /// Nothing ends it early.
+    /// A pace that never ends early.
     pub fn to_the_end(threads: usize) -> Self {
         Self { threads, stop: &|| false }
     }

@@ -1,18 +1,17 @@
-//! The matrix product of the plain-Rust inference: rows of inputs times a layer's weights, laid out in
-//! panels.
+//! The matrix product of the plain-Rust inference: rows of inputs times a layer's weights, stored in panels.
 //!
-//! An output starts at its bias and takes in the inputs one after the other, each with one fused
-//! multiply-add, so its bits depend on neither the batch nor the processor. General matrix products first
-//! copy the weights into panels; for the few rows of a rollout's group that costs more than the product, so
-//! the panels are made once per network.
+//! An output starts at its bias and adds the inputs one after the other, each with one fused multiply-add, so
+//! its bits depend on neither the batch nor the processor. General matrix products first copy the weights
+//! into panels; for the few rows of a rollout's group the copy costs more than the product, so the panels are
+//! made once per network.
 
 use super::network::Layer;
 
-/// Numbers in a vector: as many as the widest registers hold.
+/// Numbers in a vector: the size of the widest registers.
 const LANES: usize = 16;
 /// Vectors of outputs that a wide panel holds: with four rows their sums just fit the registers of AVX-512.
 const WIDE: usize = 4;
-/// Rows that share the reading of a panel.
+/// Rows computed per load of a panel.
 const ROWS: usize = 4;
 
 /// A vector of neighbouring outputs.
@@ -31,7 +30,7 @@ struct Panel {
     weights: Vec<Vector>,
 }
 
-/// A layer's weights and biases, laid out for the product.
+/// A layer's weights and biases in panels.
 #[derive(Clone, Debug)]
 pub(super) struct Panels {
     pub(super) inputs: usize,
@@ -40,7 +39,7 @@ pub(super) struct Panels {
 }
 
 impl Panels {
-    /// Lays a layer out.
+    /// Copies a layer into panels.
     pub(super) fn new(layer: &Layer) -> Self {
         let mut panels = Vec::new();
         let mut first = 0;

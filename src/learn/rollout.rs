@@ -1,10 +1,9 @@
-//! Rollouts: all environments under the present policy, handed out to the threads in small groups for some
-//! steps each.
+//! Rollouts: all environments step under the current policy, in small groups that threads take in turn for a
+//! few steps each.
 //!
-//! A thread takes the group that waited longest and gives it back after a stretch of steps, so all groups
-//! come to the end together and no thread waits there for another. What is recorded does not depend on the
-//! number of threads: each row's inference is that of the row alone, and each environment draws its noise
-//! from its own stream.
+//! A thread takes the group that has waited longest and returns it after some steps, so all groups finish at
+//! about the same time and no thread idles. What is recorded does not depend on the number of threads:
+//! inference treats each row separately, and each environment draws its noise from its own stream.
 
 use std::collections::VecDeque;
 use std::sync::Mutex;
@@ -19,7 +18,7 @@ use crate::crash;
 use crate::env::View;
 use crate::stream::Stream;
 
-/// The networks of a rollout and its place in the training.
+/// The networks of a rollout and its position in the training.
 #[derive(Clone, Copy, Debug)]
 pub struct Policy<'a> {
     /// The actor.
@@ -30,11 +29,11 @@ pub struct Policy<'a> {
     pub update: u64,
 }
 
-/// Environments that go through a rollout side by side, unless more of them step together: their worlds, 120
-/// kB each in rapier, stay in a core's cache from step to step, and their rows still share the reading of the
-/// actor's weights.
+/// Environments that go through a rollout side by side, unless a larger number steps together: their worlds,
+/// 120 kB each in rapier, stay in a core's cache between steps, and their rows share each load of the actor's
+/// weights.
 const GROUP: usize = 4;
-/// Control steps for which a group is handed out at least.
+/// Smallest number of control steps for which a thread takes a group.
 const STRETCH: usize = 4;
 /// Rows of the critic's inputs that are evaluated at once.
 const VALUE_ROWS: usize = 256;
@@ -44,18 +43,18 @@ const VALUE_ROWS: usize = 256;
 pub struct Spent {
     /// Over all threads.
     pub all: f64,
-    /// Of the thread that had the most to do, for which the others wait.
+    /// CPU time of the busiest thread, for which the others wait.
     pub longest: f64,
-    /// Of all of it what the critic's values and the advantages took once the steps were done.
+    /// Part of the total spent on the critic's values and the advantages after the steps.
     pub values: f64,
 }
 
-/// Why a rollout has no end.
+/// Reasons why a rollout did not finish.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Halt {
-    /// A reward is no number.
+    /// A reward is NaN or infinite.
     Fault(NotANumber),
-    /// It was asked to stop. The lanes still know where the rollout began ([`Lane::at_start`]).
+    /// The rollout was interrupted. The lanes can still return to its beginning ([`Lane::at_start`]).
     Interrupted,
 }
 
@@ -69,7 +68,7 @@ pub fn collect(squads: &mut [Squad], policy: Policy, settings: &Settings, pace: 
     let work = || {
         let mut share = Share::default();
         let mut scratch = Scratch::default();
-        // Nothing waits when each of the groups that are not done is with another thread.
+        // No group is waiting while each unfinished group is with another thread.
         let next = || waiting.lock().expect("taking a group does not panic").pop_front();
         part.join();
         let ((), cpu) = timed(|| {
@@ -107,37 +106,38 @@ pub fn collect(squads: &mut [Squad], policy: Policy, settings: &Settings, pace: 
     if results.iter().any(|share| share.interrupted) {
         return Err(Halt::Interrupted);
     }
-    // The earliest, whichever thread met it: in the first of the environments that had one in that step.
+    // The earliest fault, whichever thread met it; at equal steps that of the first environment.
     let faults = results.into_iter().flat_map(|share| share.faults);
     let first = faults.min_by_key(|(step, fault)| (*step, fault.environment));
     first.map_or(Ok(Spent { all, longest, values }), |(_, fault)| Err(Halt::Fault(fault)))
 }
 
-/// How many squads go through a rollout side by side on one of the threads.
+/// Number of squads that go through a rollout side by side on one thread.
 fn squads_together(squads: &[Squad], threads: usize) -> usize {
     let most = GROUP.div_ceil(squads.first().map_or(1, |squad| squad.lanes.len()));
     (squads.len() / (2 * threads)).clamp(1, most)
 }
 
-/// How many environments that are.
+/// The number of environments in these squads.
 pub(super) fn together(squads: &[Squad], threads: usize) -> usize {
     squads[..squads_together(squads, threads)].iter().map(|squad| squad.lanes.len()).sum()
 }
 
-/// What one thread did of a rollout.
+/// Result of one thread's share of a rollout.
 #[derive(Default)]
 struct Share {
-    /// Rewards that are no number, with their step of the rollout.
+    /// Rewards that are NaN or infinite, with their step of the rollout.
     faults: Vec<(usize, NotANumber)>,
     /// CPU time in s.
     cpu: f64,
-    /// Of it that of values and advantages.
+    /// Part of it spent on values and advantages.
     values: f64,
-    /// Whether it was asked to stop before the end.
+    /// Whether it was interrupted before the end.
     interrupted: bool,
 }
 
-/// Environments that go through a rollout side by side, in stretches, on whichever thread takes them next.
+/// Environments that go through a rollout side by side, a few steps at a time, on whichever thread takes them
+/// next.
 struct Group<'a> {
     squads: &'a mut [Squad],
     noise: Vec<Stream>,
@@ -148,7 +148,7 @@ struct Group<'a> {
     step: usize,
 }
 
-/// Where a group is after a stretch.
+/// State of a group after some steps.
 enum Place {
     /// In the middle of the rollout.
     Waiting,
@@ -167,8 +167,8 @@ impl<'a> Group<'a> {
         Self { squads, noise, observations, means, step: 0 }
     }
 
-    /// The next control steps: half of those that are left, so that towards the end no thread has to wait
-    /// long for another.
+    /// The next control steps: half of the remaining ones, so that towards the end no thread waits long for
+    /// another.
     fn stretch(
         &mut self,
         policy: Policy,
@@ -186,8 +186,7 @@ impl<'a> Group<'a> {
         Ok(if self.step < settings.horizon() { Place::Waiting } else { Place::Done })
     }
 
-    /// The values of all states and the advantages, at the end of the rollout. False if it was asked to stop
-    /// before.
+    /// The values of all states and the advantages, at the end of the rollout. False if interrupted before.
     fn estimate(&mut self, policy: Policy, settings: &Settings, scratch: &mut Scratch, pace: Pace) -> bool {
         let discount = Discount { gamma: settings.gamma, lambda: settings.lambda };
         for squad in &mut *self.squads {
@@ -249,8 +248,8 @@ fn draw(lane: &mut Lane, step: usize, means: &[f32], (noise, std): (&mut Stream,
     }
 }
 
-/// Records the critic's values of all states, of that after the rollout and of those at a time limit. False
-/// if it was asked to stop before.
+/// Records the critic's values of all states, including the state after the rollout and the states at time
+/// limits. False if interrupted before.
 fn evaluate(
     lane: &mut Lane,
     view: &dyn View,
@@ -349,9 +348,9 @@ mod tests {
     fn ends(limits_are_failures: bool) {
         let settings =
             Settings { rollout: 400, environments: 2, privileged: true, limits_are_failures, ..settings() };
-        // Exploration so wide that some episodes fail before their limit of 25 steps.
+        // The exploration is so wide that some episodes fail before their limit of 25 steps.
         let settings = Settings { std: vec![2.5], ..settings };
-        // So many hidden units that some answer in every state.
+        // There are so many hidden units that some are active in every state.
         let (actor, critic) =
             (network("test/rollout/actor", &[2, 8, 1]), network("test/rollout/critic", &[3, 64, 1]));
         let mut squads = Squad::begun(Toy::crews(2), &settings);
@@ -359,7 +358,7 @@ mod tests {
         collect(&mut squads, policy, &settings, Pace::to_the_end(1)).unwrap();
         let mut counts = [0; 2];
         for (index, lane) in squads.iter().flat_map(|squad| &squad.lanes).enumerate() {
-            // The same episodes again, step by step, with the recorded actions.
+            // Replays the same episodes, step by step, with the recorded actions.
             let mut environment = Toy::new();
             let mut episode = 0;
             environment.begin(0, &format!("{}/train/env/{index}/episode/0", settings.seed));

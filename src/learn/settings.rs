@@ -1,4 +1,4 @@
-//! What the learner is told: `[learn]` of a spec, read once into plain numbers.
+//! Settings of the learner: `[learn]` of a spec, read once into plain numbers.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,13 +8,13 @@ pub use crate::kinds::learn::ppo::{Backend, Decay, Device, Normalisation, Shape}
 use crate::kinds::learn::ppo::{LearningRate, LinearRate, NormOf, RateOf, RewardScale, TimeLimit};
 use crate::spec::Section;
 
-/// All numbers of a PPO training.
+/// All settings of a PPO training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
     /// Control steps to learn from.
     pub samples: u64,
-    /// Samples after which the training ends; its schedules are those of all `samples`.
+    /// Samples after which the training ends early; its schedules still refer to all `samples`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stop_at: Option<u64>,
     /// Samples per update, over all environments.
@@ -31,9 +31,9 @@ pub struct Settings {
     pub gamma: f64,
     /// Decay of the advantage estimate per control step.
     pub lambda: f64,
-    /// Bound of the probability ratio, for example 0.2.
+    /// Clip range of the probability ratio, for example 0.2.
     pub clip: f64,
-    /// Over which samples advantages are normalised.
+    /// Samples over which advantages are normalised.
     pub advantages: Normalisation,
     /// Factor on all rewards before learning.
     pub reward_scale: f64,
@@ -48,14 +48,14 @@ pub struct Settings {
     /// Whether the critic's hidden layers have the actor's step size.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub critic_hidden_follows: bool,
-    /// Factor of the critic's mean squared error in its loss.
+    /// Coefficient of the critic's mean squared error in its loss.
     #[serde(default = "half", skip_serializing_if = "is_half")]
     pub value_coefficient: f64,
     /// Whether the critic sees the privileged inputs.
     pub privileged: bool,
-    /// Bound of each network's gradient norm.
+    /// Bound on each network's gradient norm.
     pub max_grad_norm: f64,
-    /// Whether it bounds the norm of both gradients together.
+    /// Whether the bound applies to the joint norm of both gradients.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub norm_of_both: bool,
     /// Adam's epsilon.
@@ -66,21 +66,21 @@ pub struct Settings {
     pub checkpoint_every: u64,
     /// Standard deviation of each action.
     pub std: Vec<f64>,
-    /// How it changes over the training.
+    /// How the standard deviations change over the training.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub std_decay: Option<Decay>,
-    /// Whether a time limit is the end of all rewards, like a fall.
+    /// Whether a time limit ends the return, as a fall does.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub limits_are_failures: bool,
     /// Duration of a control step in s.
     pub step: f64,
-    /// Which training of the policy it is.
+    /// Whether this is the training of `[learn]` or of `[fine_tune]`.
     #[serde(default, skip_serializing_if = "Round::is_first")]
     pub round: Round,
-    /// What computes the updates.
+    /// The library that computes the updates.
     #[serde(default, skip_serializing_if = "Backend::is_native")]
     pub backend: Backend,
-    /// Where the networks are while they learn.
+    /// The device on which the networks are trained.
     #[serde(default, skip_serializing_if = "Device::is_cpu")]
     pub device: Device,
 }
@@ -94,7 +94,7 @@ fn is_half(coefficient: &f64) -> bool {
     *coefficient == 0.5
 }
 
-/// Which training of a policy it is: each has random streams of its own.
+/// The trainings of a policy; each has its own random streams.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Round {
@@ -119,17 +119,17 @@ impl Round {
     }
 }
 
-/// How the actor's step size moves.
+/// Schedule of the actor's step size.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Rate {
-    /// It does not.
+    /// Constant.
     Constant(f64),
-    /// Linearly from the first sample to the last.
+    /// Linear from the first sample to the last.
     Linear([f64; 2]),
-    /// Steered to a KL divergence per update, from a first value.
+    /// Adapted to a KL divergence per update, from a first value.
     Steered {
-        /// The KL divergence to keep.
+        /// Target KL divergence.
         target: f64,
         /// Step size of the first update.
         start: f64,
@@ -137,7 +137,7 @@ pub enum Rate {
 }
 
 impl Decay {
-    /// What is left of the exploration after this share of all samples.
+    /// Factor on the exploration after this share of all samples.
     fn factor(self, share: f64) -> f64 {
         1.0 + (self.to - 1.0) * (share / self.over).min(1.0)
     }
@@ -187,8 +187,8 @@ impl Settings {
         }
     }
 
-    /// The settings of the part of `[fine_tune]` that its stage declares; what does not stand there is that
-    /// of `[learn]`, but that its exploration stays what it is.
+    /// The settings of the part of `[fine_tune]` that its stage declares. Keys that are not set there are
+    /// those of `[learn]`, except that exploration is constant.
     pub fn fine_tuning(learn: &Ppo, tuning: Section, std: Vec<f64>, step: f64) -> Self {
         let changed = Ppo {
             samples: tuning.value(fine_tune::Ppo::samples).unwrap_or(learn.samples),
@@ -208,7 +208,7 @@ impl Settings {
         format!("{}/{}/{rest}", self.seed, self.round.word())
     }
 
-    /// The same with the standard deviations that the update after this share of all samples explores with.
+    /// The settings with the standard deviations of the update after this share of all samples.
     pub fn exploring(&self, share: f64) -> Self {
         let factor = self.std_decay.map_or(1.0, |decay| decay.factor(share));
         Self { std: self.std.iter().map(|std| factor * std).collect(), ..self.clone() }
@@ -224,20 +224,20 @@ impl Settings {
         self.horizon() * self.environments
     }
 
-    /// Number of updates of the whole schedule: enough for all samples; without samples none.
+    /// Number of updates of the whole schedule: enough for all samples; zero without samples.
     pub fn updates(&self) -> u64 {
         self.samples.div_ceil(self.batch() as u64)
     }
 
-    /// The update before which the training ends: that of the schedule's end, or of `stop_at` if it comes
+    /// The update before which the training ends: the end of the schedule, or of `stop_at` if that comes
     /// first.
     pub fn end(&self) -> u64 {
         let stop = self.stop_at.map(|samples| samples.div_ceil(self.batch() as u64));
         stop.unwrap_or(u64::MAX).min(self.updates())
     }
 
-    /// Whether a training with other settings takes the same way, as far as both go: they differ in nothing
-    /// that changes a number.
+    /// Whether a training with other settings gives the same results up to where the shorter one ends: the
+    /// settings differ only in what changes no number.
     pub fn agrees_with(&self, other: &Self) -> bool {
         Self { stop_at: other.stop_at, checkpoint_every: other.checkpoint_every, ..self.clone() } == *other
     }
@@ -262,11 +262,11 @@ impl Shape {
     }
 }
 
-/// An update in which a minibatch finds the policy this many times the target away from where it was is taken
-/// back. Healthy updates stay below twice the target.
+/// An update is undone if a minibatch finds the policy this many KL targets away from the old one. Healthy
+/// updates stay below twice the target.
 const OVERRUN: f64 = 5.0;
 
-/// Bounds of a steered step size.
+/// Bounds of an adapted step size.
 const RATE_BOUNDS: [f64; 2] = [1e-6, 1e-3];
 
 impl Rate {
@@ -281,7 +281,7 @@ impl Rate {
         }
     }
 
-    /// Step size of the update that begins after this share of all samples; `steered` is the last answer of
+    /// Step size of the update that begins after this share of all samples; `steered` is the last result of
     /// [`Rate::steer`].
     pub fn at(&self, share: f64, steered: f64) -> f64 {
         match self {
@@ -317,13 +317,13 @@ impl Rate {
         (rate * factor).clamp(RATE_BOUNDS[0], RATE_BOUNDS[1])
     }
 
-    /// Whether a policy that has moved by this KL divergence, over one minibatch, goes back to where the
-    /// update began: the step size is far too large.
+    /// Whether a policy that has moved by this KL divergence, over one minibatch, returns to the start of the
+    /// update: the step size is far too large.
     pub fn overrun(&self, divergence: f64) -> bool {
         matches!(self, Self::Steered { target, .. } if divergence > OVERRUN * target)
     }
 
-    /// Whether an update's passes over the rollout end at this KL divergence.
+    /// Whether the passes over the rollout end at this KL divergence.
     pub fn exhausted(&self, divergence: f64) -> bool {
         matches!(self, Self::Steered { target, .. } if divergence > 1.5 * target)
     }

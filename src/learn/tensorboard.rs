@@ -1,9 +1,9 @@
-//! TensorBoard's event file beside `metrics.jsonl`: the same numbers, over samples, for
-//! `tensorboard --logdir`.
+//! TensorBoard's event file next to `metrics.jsonl`: the same numbers over samples, for `tensorboard
+//! --logdir`.
 //!
 //! A file of records (length, masked CRC-32C of the length, an `Event` in protocol buffers, masked CRC-32C of
-//! the event), the format of TensorFlow's `tfrecord` and `event.proto`. When a training is resumed it is cut
-//! back to the checkpoint, or written anew from the metrics, so it never has more than they have.
+//! the event), the format of TensorFlow's `tfrecord` and `event.proto`. When a training resumes, the file is
+//! truncated to the checkpoint or rebuilt from the metrics, so it never has more than they have.
 
 use std::fs::File;
 use std::io::Write;
@@ -18,12 +18,12 @@ use super::error::LearnError;
 use super::metrics::UpdateMetrics;
 use crate::safe_fs;
 
-/// What the first event of a file says.
+/// Content of a file's first event.
 const VERSION: &str = "brain.Event:2";
-/// Fields that count rather than measure.
+/// Fields that are counters, not measurements.
 const COUNTERS: [&str; 3] = ["update", "samples", "samples_total"];
 
-/// `Event` of TensorFlow's event.proto, as far as it is used.
+/// `Event` of TensorFlow's event.proto, with the fields that are used.
 #[derive(Clone, PartialEq, Message)]
 struct Event {
     #[prost(double, tag = "1")]
@@ -61,8 +61,8 @@ pub(super) struct EventFile {
 }
 
 impl EventFile {
-    /// Opens the file in a folder; `wall` is the training's wall clock now. Of an interrupted training its
-    /// first `kept` bytes stay, which hold the metrics so far; without any it is written anew.
+    /// Opens the file in a folder; `wall` is the training's wall clock now. For an interrupted training the
+    /// first `kept` bytes, which hold the metrics so far, remain; without them the file is rebuilt.
     pub fn open(
         folder: &Path,
         known: &[UpdateMetrics],
@@ -107,7 +107,7 @@ impl EventFile {
     }
 }
 
-/// Every number of the metrics, nested ones as `terms/NAME` and `ends/NAME`; what was not measured is left
+/// Every number of the metrics, nested ones as `terms/NAME` and `ends/NAME`; missing measurements are left
 /// out.
 fn scalars(metrics: &UpdateMetrics) -> Vec<Scalar> {
     let Ok(Value::Object(fields)) = serde_json::to_value(metrics) else { return Vec::new() };
@@ -133,7 +133,7 @@ fn record(event: &[u8]) -> Vec<u8> {
     [&length[..], &masked_crc(&length).to_le_bytes(), event, &masked_crc(event).to_le_bytes()].concat()
 }
 
-/// The checksum of records: rotated and shifted, so that one of bytes that hold checksums is not weaker.
+/// The checksum of records: rotated and shifted, so that it stays strong for data that contain checksums.
 fn masked_crc(bytes: &[u8]) -> u32 {
     crc32c::crc32c(bytes).rotate_right(15).wrapping_add(0xa282_ead8)
 }
@@ -162,7 +162,7 @@ pub(super) mod tests {
         events
     }
 
-    /// Samples and numbers of a file's events, without those that clocks make.
+    /// Samples and numbers of a file's events, without the clocks' values.
     pub fn timeless(path: &Path) -> Vec<(i64, BTreeMap<String, f32>)> {
         let clocks = ["wall_s", "cpu_s", "learner_cpu_s", "samples_per_s"];
         let numbers = |event: Event| {

@@ -1,4 +1,4 @@
-//! What the learner does with the toy: learning, resuming, and what goes wrong.
+//! The learner on the toy: learning, resuming, and failures.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,7 +12,7 @@ use super::*;
 use crate::env::{Crew, End};
 use crate::stream::Stream;
 
-/// Interrupts, or dies, after this many updates.
+/// Interrupts or panics after this many updates.
 struct Observer {
     stop_after: u64,
     die: bool,
@@ -86,7 +86,7 @@ fn the_known_optimum_is_learned() {
         let best = 0.5 * x - 0.3;
         assert!((action[0] - best).abs() < 0.1, "{} instead of {best} at {x}", action[0]);
     }
-    // Only the noise of the policy is left: 1 - 0.25^2 = 0.9375 per step.
+    // Only the policy's noise remains: 1 - 0.25^2 = 0.9375 per step.
     let last = metrics.last().unwrap();
     let reward = last["reward_mean"].as_f64().unwrap();
     assert!((0.925..0.95).contains(&reward), "{reward}");
@@ -102,12 +102,12 @@ fn exploration_that_falls_ends_where_it_is_told() {
     let rate = Rate::Linear([3e-3, 1e-4]);
     let (_, metrics) = fresh_run(&Settings { rate, std_decay: decay(0.2), ..settings.clone() }, 1);
     let reward = |update: usize| metrics[update]["reward_mean"].as_f64().unwrap();
-    // Noise costs its variance: 0.25 a step at first, 0.01 in the second half, where the policy is nearly the
-    // best.
+    // Noise costs its variance: 0.25 a step at first, 0.01 in the second half, where the policy is nearly
+    // optimal.
     assert!(reward(0) < 0.75, "{}", reward(0));
     let second_half = (30..60).map(reward).sum::<f64>() / 30.0;
     assert!((0.97..0.992).contains(&second_half), "{second_half}");
-    // One that does not fall makes the same training as none, to the bit.
+    // A schedule that does not fall gives the same training as none, bit for bit.
     let short = Settings { samples: 2_000, ..settings };
     let (plain, constant) =
         (fresh_run(&short, 1), fresh_run(&Settings { std_decay: decay(1.0), ..short.clone() }, 1));
@@ -158,8 +158,7 @@ fn goes_on(settings: Settings) {
     }
 }
 
-/// Interrupts when it is asked for the so-manieth time, in the middle of a rollout or of the learning from
-/// it.
+/// Interrupts at the given call, in the middle of a rollout or of the learning from it.
 struct Impatient {
     asked: AtomicU64,
     stop_at: u64,
@@ -185,7 +184,7 @@ fn an_interruption_in_the_middle_of_an_update_goes_back_to_the_one_before_it() {
     for settings in [settings.clone(), Settings { norm_of_both: true, ..settings }] {
         let (whole, metrics) = fresh_run(&settings, 1);
         let mut seen = Vec::new();
-        // One thread is asked 1200 times in a rollout, two 2000 times, then 10 times for the values, about a
+        // One thread calls 1200 times in a rollout, two 2000 times, then 10 times for the values, about a
         // hundred times for each network that learns, and once at the end.
         for (threads, stop_at) in
             [(1, 900), (1, 1205), (1, 1300), (2, 2100), (1, 2300), (1, 2600), (2, 4300), (2, 5000)]
@@ -230,7 +229,7 @@ fn a_training_that_dies_between_checkpoints_goes_on_to_the_same_bits() {
     }
 }
 
-/// Takes its time, so that it can be killed in the middle.
+/// Slow, so that the process can be killed during the training.
 struct Slow;
 
 impl Watch for Slow {
@@ -365,7 +364,7 @@ fn a_gradient_that_is_no_number_ends_the_training() {
     assert_eq!(error.code(), Some("R0001"));
 }
 
-/// A training on libtorch, which is made again with the same bits and resumed with the same bits.
+/// A training on libtorch, which is repeated and resumed with the same bits.
 #[cfg(feature = "torch")]
 fn learns_on_libtorch(settings: &Settings) {
     let trained = fresh_run(settings, 1).0;
@@ -398,7 +397,7 @@ fn a_training_on_cuda_learns_or_says_what_is_missing() {
     let scratch = tempfile::tempdir().unwrap();
     let error = run(&settings, scratch.path(), 1, &Observer::patient()).unwrap_err();
     assert_eq!(error.code(), Some("R0006"), "{error}");
-    // Who built with a libtorch for CUDA has to be told something else.
+    // With a libtorch for CUDA the advice is a different one.
     assert!(error.help().is_some_and(|help| help.contains("LIBTORCH") != tch::utils::has_cudart()));
 }
 
@@ -420,7 +419,7 @@ fn a_checkpoint_says_the_backend_and_the_device_only_where_they_are_others() {
     let other = text(Backend::Torch, Device::Cuda);
     assert!(other.contains(r#""device":"cuda""#) && other.contains(r#""backend":"torch""#));
     let parsed: Settings = serde_json::from_str(&usual).unwrap();
-    assert_eq!(parsed, settings(), "a checkpoint from before there were backends goes on");
+    assert_eq!(parsed, settings(), "a checkpoint of a version without backends is resumed");
 }
 
 #[test]
@@ -445,7 +444,7 @@ fn a_checkpoint_of_other_settings_or_with_a_hole_is_refused() {
     assert_eq!(run(&settings, scratch.path(), 1, &stop()).unwrap_err().code(), Some("R0002"));
 }
 
-/// Tells which files were made again.
+/// Records which files were rebuilt.
 #[derive(Default)]
 struct Rebuilt(Mutex<Vec<String>>);
 
@@ -481,7 +480,7 @@ fn metrics_that_were_changed_beside_their_checkpoint_are_refused() {
         assert!(Checkpoint::fault(scratch.path()).unwrap().contains("metrics.jsonl"));
         let error = run(&settings, scratch.path(), 1, &Observer::patient()).unwrap_err();
         assert!(
-            error.code() == Some("R0002") && error.to_string().contains("metrics.jsonl beside it"),
+            error.code() == Some("R0002") && error.to_string().contains("metrics.jsonl has changed"),
             "{error}"
         );
     }
@@ -536,7 +535,7 @@ fn a_checkpoint_that_cannot_be_written_leaves_the_previous_one() {
     let _ = run(&settings, scratch.path(), 1, &Observer::stopping_after(2));
     let path = checkpoint::Checkpoint::path(scratch.path());
     let before = std::fs::read(&path).unwrap();
-    // A folder in the draft's place: it can be neither created nor renamed.
+    // A folder in place of the draft, which can be neither created nor renamed.
     std::fs::create_dir(path.with_extension("draft")).unwrap();
     let error = run(&settings, scratch.path(), 1, &Observer::patient()).unwrap_err();
     assert!(matches!(error, LearnError::File { .. }), "{error}");

@@ -1,11 +1,11 @@
-//! A toy environment with a known optimum, and the settings that learn it.
+//! A toy environment with a known optimum, and settings that learn it.
 
 use super::settings::{Backend, Device, Normalisation, Rate, Shape};
 use super::*;
 use crate::env::{Crew, End, Output, Sizes, Stance, Step, View};
 use crate::stream::Stream;
 
-/// A number that drifts; the best action is `0.5 x - 0.3` everywhere and earns a reward of 1.
+/// A drifting number; the best action is `0.5 x - 0.3` everywhere and earns a reward of 1.
 pub struct Toy {
     pub(super) stream: Stream,
     pub(super) x: f64,
@@ -13,13 +13,13 @@ pub struct Toy {
     pub(super) terms: Vec<String>,
     pub(super) values: Vec<f64>,
     pub(super) causes: Vec<String>,
-    /// What it says of its one action.
+    /// The declared range of its one action.
     pub outputs: Vec<Output>,
-    /// What it says its reward terms can be.
+    /// The declared ranges of its reward terms.
     pub ranges: [[f64; 2]; 2],
-    /// A step in which the reward is no number.
+    /// A step in which the reward is NaN.
     pub broken_step: Option<u64>,
-    /// A value of the number from which the physics explodes.
+    /// A value of the number above which the simulation diverges.
     pub limit: f64,
     /// The action of the next step.
     pub(super) action: f64,
@@ -47,7 +47,7 @@ impl Toy {
         }
     }
 
-    /// This many, each a crew of its own.
+    /// `count` toys, each as its own crew.
     pub fn crews(count: usize) -> Vec<Box<dyn Crew>> {
         (0..count).map(|_| Box::new(Self::new()) as Box<dyn Crew>).collect()
     }

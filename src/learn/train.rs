@@ -1,4 +1,4 @@
-//! The training: rollouts and updates in turn, with metrics, checkpoints and interruption.
+//! The training loop: alternates rollouts and updates, with metrics, checkpoints and interruption.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -31,59 +31,57 @@ use crate::stream::Stream;
 /// The episode that ended a training, in the scratch folder.
 const BROKEN: &str = "broken_episode.json";
 
-/// Follows a training and may end it.
+/// Observes a training and may end it.
 pub trait Watch: Sync {
     /// Called after each update.
     fn update(&self, metrics: &UpdateMetrics);
-    /// Told when a file of an interrupted training was not as the training had left it, and is made again.
+    /// Called when a file of an interrupted training was changed or lost and is rebuilt.
     fn rebuilt(&self, _file: &str) {}
-    /// Asked after each update and all the time in between, on every thread. When it answers true the
-    /// training discards the update that has no end, writes a checkpoint of the last one that has, and ends.
+    /// Called after each update and frequently in between, on every thread. If it returns true, the training
+    /// discards the unfinished update, writes a checkpoint of the last finished one, and ends.
     fn interrupted(&self) -> bool;
 }
 
-/// What a training needs beside its environments.
+/// Inputs of a training other than its environments.
 #[derive(Clone, Copy)]
 pub struct Training<'a> {
     /// All numbers.
     pub settings: &'a Settings,
-    /// The networks to begin with.
+    /// The initial networks.
     pub start: Start<'a>,
-    /// An existing folder for checkpoint and metrics. A training that finds its checkpoint there goes on from
-    /// it.
+    /// An existing folder for checkpoint and metrics. A checkpoint in it is resumed.
     pub scratch: &'a Path,
-    /// How many threads to use, asked before each update; the result does not depend on their number.
+    /// Number of threads, asked before each update; the result does not depend on it.
     pub threads: &'a (dyn Fn() -> usize + Sync),
-    /// Who follows it.
+    /// Observer of the training.
     pub watch: &'a dyn Watch,
 }
 
-/// The networks that a training begins with; one that is absent starts at random. Both begin with fresh
-/// moments of Adam.
+/// The initial networks of a training; a missing one is random. Both begin with fresh moments of Adam.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Start<'a> {
-    /// The pre-trained actor, or that of the training that is gone on from.
+    /// The pre-trained actor, or that of the training to be fine-tuned.
     pub actor: Option<&'a Network>,
-    /// The critic of the training that is gone on from.
+    /// The critic of the training to be fine-tuned.
     pub critic: Option<&'a Network>,
 }
 
-/// What came out.
+/// Result of a training.
 #[derive(Clone, Debug)]
 pub struct Trained {
     /// The policy's mean.
     pub actor: Network,
     /// The critic.
     pub critic: Network,
-    /// Sums over the training.
+    /// Summary of the training.
     pub summary: Summary,
     /// `metrics.jsonl` in the scratch folder.
     pub metrics: PathBuf,
-    /// The same for TensorBoard.
+    /// The TensorBoard events.
     pub events: PathBuf,
-    /// The first episodes whose physics left the realm of numbers, in the scratch folder.
+    /// The first episodes in which the simulation diverged, in the scratch folder.
     pub exploded: Vec<PathBuf>,
-    /// The checkpoint in the scratch folder, of a training that ends before its schedule.
+    /// The checkpoint in the scratch folder if the training ended before its schedule.
     pub checkpoint: Option<PathBuf>,
 }
 
@@ -104,7 +102,7 @@ impl Trained {
     }
 }
 
-/// Trains a policy. `crews` have [`Settings::environments`] equal environments together.
+/// Trains a policy. `crews` have [`Settings::environments`] equal environments in total.
 pub fn train(training: Training, crews: Vec<Box<dyn Crew>>) -> Result<Trained, LearnError> {
     let mut session = Session::start(training, crews)?;
     let end = training.settings.end();
@@ -126,7 +124,7 @@ pub fn train(training: Training, crews: Vec<Box<dyn Crew>>) -> Result<Trained, L
         }
     }
     if end < training.settings.updates() {
-        // A training of more of the schedule goes on from it.
+        // A longer training with the same schedule resumes from it.
         session.save()?;
     }
     session.finish()
@@ -144,7 +142,7 @@ struct Session<'a> {
     monitor: Monitor,
     progress: Progress,
     clock: Clock,
-    /// Number of updates that the checkpoint in the scratch folder holds; zero if there is none.
+    /// Number of updates in the checkpoint in the scratch folder; zero without one.
     saved: u64,
 }
 
@@ -283,7 +281,7 @@ impl<'a> Session<'a> {
         self.progress.update * self.training.settings.batch() as u64
     }
 
-    /// Writes a checkpoint of the last update that has an end, in the middle of the one after it.
+    /// Writes a checkpoint of the last finished update, during the next one.
     fn save_last(&mut self) -> Result<(), LearnError> {
         if self.progress.update == self.saved {
             return Ok(());
@@ -330,7 +328,7 @@ impl<'a> Session<'a> {
         Ok(Trained { actor, critic, summary, metrics, events, exploded, checkpoint })
     }
 
-    /// Writes an episode whose reward is no number, so that it can be played again.
+    /// Writes an episode whose reward is NaN or infinite, so that it can be replayed.
     fn dump(&self, fault: NotANumber) -> LearnError {
         let Training { settings, scratch, .. } = self.training;
         let holds = |squad: &&Squad| squad.lanes.iter().any(|lane| lane.index == fault.environment);
@@ -348,8 +346,8 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Keeps the exploded episodes of a rollout, and ends a training in which no learner can go on: when
-    /// every episode that ended has exploded, and as many as there are environments.
+    /// Stores the exploded episodes of a rollout, and ends a training that cannot learn: when every finished
+    /// episode has exploded, and at least as many as there are environments.
     fn keep_exploded(&self, tally: &Tally) -> Result<(), LearnError> {
         let Training { settings, scratch, .. } = self.training;
         let mut dump = None;
@@ -364,7 +362,7 @@ impl<'a> Session<'a> {
         let Some((lane, episode)) = exploded.first().filter(|_| lost) else { return Ok(()) };
         let dump = match dump {
             Some(dump) => dump,
-            // Enough were kept before.
+            // Enough are stored.
             None => {
                 let dump = scratch.join(BROKEN);
                 broken(lane, episode, settings).write(&dump)?;
@@ -379,8 +377,8 @@ fn lanes(squads: &[Squad]) -> impl Iterator<Item = &Lane> {
     squads.iter().flat_map(|squad| &squad.lanes)
 }
 
-/// Checks what lies beside the checkpoint that a training goes on from, and removes what it does not know.
-/// Gives the bytes of TensorBoard's events that are the checkpoint's.
+/// Checks the files next to the checkpoint of a resumed training, and removes those that it does not list.
+/// Returns how many bytes of TensorBoard's events belong to the checkpoint.
 fn beside(checkpoint: Option<&Checkpoint>, training: Training) -> Result<Option<u64>, LearnError> {
     let scratch = training.scratch;
     let unknown = Beside::default();
@@ -398,12 +396,12 @@ fn beside(checkpoint: Option<&Checkpoint>, training: Training) -> Result<Option<
     Ok(kept)
 }
 
-/// An episode of a lane as it is written.
+/// An episode of a lane in its stored form.
 fn broken<'a>(lane: &Lane, episode: &'a Episode, settings: &Settings) -> Broken<'a> {
     Broken { stream: lane.stream_of(episode, settings), episode, width: settings.std.len(), terms: None }
 }
 
-/// Checks that settings, environments and the first networks fit each other.
+/// Checks that settings, environments and initial networks fit each other.
 fn check(training: Training, crews: &[Box<dyn Crew>]) -> Result<(), LearnError> {
     let Training { settings, start, .. } = training;
     let (found, asked) = (crews.iter().map(|crew| crew.count()).sum::<usize>(), settings.environments);
@@ -422,7 +420,7 @@ fn check(training: Training, crews: &[Box<dyn Crew>]) -> Result<(), LearnError> 
     fits("critic", start.critic, &settings.value.widths(states, 1))
 }
 
-/// Checks that a network to begin with has the layers that are asked for.
+/// Checks that an initial network has the required layers.
 fn fits(name: &str, start: Option<&Network>, asked: &[usize]) -> Result<(), LearnError> {
     match start.map(Network::widths) {
         Some(found) if found != asked => Err(LearnError::Shape(format!(
@@ -471,11 +469,11 @@ fn resumed(
     }
 }
 
-/// How often a replay asks whether the training is interrupted.
+/// Interval at which a replay checks for an interruption.
 const PATIENCE: Duration = Duration::from_millis(20);
 
 /// Brings all environments back to their running episodes, in parallel. An interruption ends it after the
-/// episodes in hand; the checkpoint stays as it is.
+/// current episodes; the checkpoint stays unchanged.
 fn replay(
     squads: Vec<Squad>,
     episodes: Vec<Episode>,

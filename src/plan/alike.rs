@@ -1,4 +1,5 @@
-//! Lists whose elements have much in common: what a saved plan repeats for every run is held once.
+//! Lists whose elements have much in common: parts that a saved plan repeats for every run are stored in
+//! memory once.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -8,15 +9,15 @@ use serde::{Deserialize, Deserializer};
 
 use super::graph::{ArmRecord, Stage};
 
-/// How far back an element looks for one that it has something in common with: beyond the stages of an arm.
+/// Number of preceding elements that are searched for equal parts: more than the stages of an arm.
 const REACH: usize = 32;
 
-/// What can share its parts with another one.
+/// A value that can share its parts with another one.
 pub trait Alike {
-    /// Whether another one is of the same sort.
+    /// Whether the other value is of the same sort.
     fn is_like(&self, other: &Self) -> bool;
 
-    /// Takes the parts of another one in the place of equal ones of its own.
+    /// Replaces own parts with equal ones of the other value.
     fn share(&mut self, other: &Self);
 }
 
@@ -44,7 +45,7 @@ impl Alike for Stage {
     }
 }
 
-/// Reads a list element by element, each sharing with the last one of its sort.
+/// Deserializes a list element by element, each sharing parts with the last one of its sort.
 pub fn list<'de, D, T>(deserializer: D) -> Result<Vec<T>, D::Error>
 where
     D: Deserializer<'de>,

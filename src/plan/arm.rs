@@ -1,4 +1,4 @@
-//! What a plan is made from: arms, with the contents of the files that they name.
+//! Inputs of a plan: arms, with the contents of the files that they name.
 
 use std::collections::BTreeMap;
 
@@ -14,34 +14,34 @@ pub struct Arm {
     pub name: String,
     /// The decoded spec.
     pub fields: Table,
-    /// Where each value comes from, by dotted path: `specs/run.toml:12`, `--set`, `default`.
+    /// Origin of each value, by dotted path: `specs/run.toml:12`, `--set`, `default`.
     pub origins: BTreeMap<String, String>,
     /// The resolved robot.
     pub robot: Shared<serde_json::Value>,
-    /// The decoded motion file, for tasks with a reference motion; the text of a clip stands under
-    /// `clip`. It is the section `motion` of the motion stage, so origins under `motion.` belong to it.
+    /// The decoded motion file, for tasks with a reference motion; the text of a clip is under `clip`. It is
+    /// the section `motion` of the motion stage, so origins under `motion.` belong to it.
     pub motion: Option<Shared<Table>>,
-    /// How the user asked for it.
+    /// The command-line arguments that selected it.
     pub request: Request,
-    /// The warnings that are meant, with their reasons.
+    /// The accepted warnings, with their reasons.
     pub allow: BTreeMap<String, String>,
-    /// Its runs, when it is an arm of a suite; otherwise it is one run by itself.
+    /// Its runs if it is an arm of a suite; otherwise it is a single run.
     pub runs: Option<Runs>,
 }
 
-/// How the user asked for an arm, for the command that a report prints.
+/// The command-line arguments of an arm, from which a report prints its command.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Request {
-    /// The spec's file as the user named it.
+    /// The spec's path as given.
     pub spec: String,
-    /// Its path in the project, however the user named it; empty in plans of earlier versions.
+    /// Its path relative to the project, however it was given; empty in plans of earlier versions.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub place: String,
-    /// The profile, when one was chosen.
+    /// The profile, if any.
     pub profile: Option<String>,
-    /// Assignments given with `--set`, as written.
+    /// Assignments from `--set`, verbatim.
     pub assignments: Vec<String>,
-    /// Folders given with `--allow-outside`, as written.
+    /// Folders from `--allow-outside`, verbatim.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub outside: Vec<String>,
 }
@@ -51,8 +51,8 @@ pub struct Request {
 pub struct Runs {
     /// The arm's points by axis.
     pub points: Vec<(String, String)>,
-    /// The learning seeds, each a run.
+    /// The learning seeds, one per run.
     pub seeds: Vec<u64>,
-    /// Where the seeds come from; absent when it is the spec's own.
+    /// Origin of the seeds; missing if the seed is the spec's own.
     pub origin: Option<String>,
 }

@@ -1,6 +1,5 @@
-//! What a recipe leaves out because it is written nowhere or could be: every key that has its default, at any
-//! depth. A key that is added to the language later, with a default that gives the old behaviour, so makes no
-//! stage anew.
+//! Normalizes recipes by removing every key that has its default, at any depth. Therefore a key that is added
+//! later, with a default that gives the old behaviour, invalidates no stage.
 
 use std::sync::OnceLock;
 
@@ -12,7 +11,7 @@ use crate::kinds::vocabulary::vocabulary;
 use crate::spec::decode::default_value;
 use crate::spec::{Kind, Param, Presence, Shape, Ty, Vocabulary};
 
-/// Removes the keys that have their defaults from the canonical fields of a stage.
+/// Removes keys with default values from the canonical fields of a stage.
 pub fn strip(fields: &mut Json) {
     static LANGUAGE: OnceLock<Vocabulary> = OnceLock::new();
     let language = LANGUAGE.get_or_init(vocabulary);
@@ -23,7 +22,7 @@ pub fn strip(fields: &mut Json) {
         match shape {
             Some(Shape::Plain(params)) => strip_keys(table, params),
             Some(Shape::Kind(kinds)) => strip_kind(table, None, kinds),
-            // The stage of one term has it in place of its section.
+            // The stage of a single term has the term in place of its section.
             Some(Shape::Terms(kinds, _)) if table.get("kind").is_some_and(Json::is_string) => {
                 strip_kind(table, None, kinds);
             }
@@ -46,7 +45,7 @@ fn strip_terms(terms: &mut Map<String, Json>, kinds: &[&'static Kind]) {
     }
 }
 
-/// A table of one of these kinds, or a part of one that does not say of which.
+/// A table of one of these kinds, or a part of one without the key `kind`.
 fn strip_kind(table: &mut Map<String, Json>, name: Option<&str>, kinds: &[&'static Kind]) {
     let kind = table.get("kind").and_then(Json::as_str).or(name);
     match kinds.iter().find(|known| Some(known.name) == kind) {
@@ -71,7 +70,7 @@ fn is_default(value: &Json, mut default: Json, ty: &Ty) -> bool {
     canonical_json(value) == canonical_json(&default)
 }
 
-/// What stands inside a value of a type.
+/// Removes defaults inside a value of a type.
 fn strip_value(value: &mut Json, ty: &Ty) {
     match (ty, value) {
         (Ty::Table(params), Json::Object(table)) => strip_keys(table, params),
@@ -90,7 +89,7 @@ fn strip_value(value: &mut Json, ty: &Ty) {
     }
 }
 
-/// Whether a decoded table or list can be of a type. Other values have nothing inside.
+/// Whether a decoded table or list matches a type. Other values have no parts.
 fn fits(ty: &Ty, value: &Json) -> bool {
     match (ty, value) {
         (Ty::Table(params), Json::Object(table)) => {
@@ -148,7 +147,7 @@ mod tests {
         let left = json!({ "kind": "joint_friction", "scale": { "uniform": [0.6, 1.4] } });
         let fields = json!({ "randomize": { "joint_friction": term, "other": term } });
         assert_eq!(stripped(fields), json!({ "randomize": { "joint_friction": left, "other": left } }));
-        // The same rows inside an evaluation, which is a stage of its own.
+        // The same rows inside an evaluation, which is a separate stage.
         let fields =
             json!({ "evaluate": { "kind": "episodes", "episodes": 32, "randomize": { "drag": term } } });
         assert_eq!(

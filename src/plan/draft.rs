@@ -1,5 +1,5 @@
-//! The stages of an arm before they know their inputs: which there are, what each reads of the spec, and to
-//! which of the arm's trainings it belongs.
+//! The stages of an arm before their inputs are known: which stages there are, what each reads from the spec,
+//! and to which of the arm's trainings it belongs.
 
 use std::collections::BTreeMap;
 
@@ -37,7 +37,7 @@ impl Training {
         }
     }
 
-    /// The section of the spec that says it, which is also how a claim calls it.
+    /// The section of the spec that configures it, which is also its name in claims.
     pub fn section(self) -> &'static str {
         match self {
             Self::First => "learn",
@@ -46,25 +46,25 @@ impl Training {
     }
 }
 
-/// A stage before it knows its inputs.
+/// A stage whose inputs are not yet known.
 #[derive(Clone, Debug)]
 pub struct Draft {
     /// What it does.
     pub kind: StageKind,
     /// Its name in the arm.
     pub name: String,
-    /// The training whose world and policy it is about; of stages before any training the first.
+    /// The training whose environment and policy it uses; the first for stages before any training.
     pub training: Training,
     /// The declared fields.
     pub fields: Shared<Table>,
-    /// Where they come from.
+    /// The origins of the fields.
     pub origins: Shared<BTreeMap<String, String>>,
     /// The contents of files.
     pub content: Shared<serde_json::Value>,
 }
 
 impl Draft {
-    /// The kind that takes a producer's place for this stage, and the training that it belongs to.
+    /// The producer that replaces `producer` for this stage, and the training that it belongs to.
     pub fn source(&self, producer: StageKind) -> (StageKind, Training) {
         match (self.training, producer) {
             (Training::FineTuning, StageKind::Env | StageKind::Export) => (producer, Training::FineTuning),
@@ -118,7 +118,7 @@ fn is_transfer(table: &Table) -> bool {
     Section::new(table).is::<Transfer>()
 }
 
-/// A stage that declares fixed paths.
+/// A stage with fixed declared paths.
 pub fn plain(
     (arm, origins): (&Arm, &BTreeMap<String, String>),
     kind: StageKind,
@@ -135,12 +135,12 @@ pub fn plain(
     Draft { kind, name, training, fields: fields.into(), origins: origins.into(), content }
 }
 
-/// Where the keys of `[fine_tune]` stand in the environment that it makes; `weights.TERM` is
+/// Keys of `[fine_tune]` and the paths that they set in its environment; `weights.TERM` sets
 /// `reward.TERM.weight`.
 const MOVES: [(&str, &str); 3] =
     [("terrain", "terrain"), ("std", "action.std"), ("engine", "physics.engine")];
 
-/// The key of `[fine_tune]` that a path of that environment can come from.
+/// The key of `[fine_tune]` that can set a path of that environment.
 fn moved_from(path: &str) -> Option<String> {
     if let Some(term) = path.strip_prefix("reward.").and_then(|rest| rest.strip_suffix(".weight")) {
         return Some(format!("fine_tune.weights.{term}"));
@@ -149,7 +149,7 @@ fn moved_from(path: &str) -> Option<String> {
     Some(format!("fine_tune.{own}{}", &path[place.len()..]))
 }
 
-/// The paths of the training's world that a `[fine_tune]` replaces, with its keys that do so.
+/// The paths of the training's environment that a `[fine_tune]` replaces, with the keys that do so.
 pub fn replaced(tuning: Section) -> Vec<(String, String)> {
     let fixed = MOVES.into_iter().filter(|(own, _)| tuning.get(own).is_some());
     let fixed = fixed.map(|(own, place)| (place.to_owned(), format!("fine_tune.{own}")));
@@ -158,8 +158,8 @@ pub fn replaced(tuning: Section) -> Vec<(String, String)> {
     fixed.chain(weights).collect()
 }
 
-/// A path of a stage's fields as it is written in the spec whose fields are given, or in the motion's file:
-/// `evaluate.episodes` is `evaluate.nominal.episodes`. Without a spec whatever can be written is taken to be.
+/// The path in the spec with these fields, or in the motion's file, of a path in a stage's fields:
+/// `evaluate.episodes` is `evaluate.nominal.episodes`. Without fields every possible key counts as set.
 pub fn spec_path((kind, name): (StageKind, &str), path: &str, spec: Option<&Table>) -> String {
     let is_written = |own: &String| spec.is_none_or(|spec| at(spec, own).is_some());
     let Some((head, rest)) = path.split_once('.') else { return path.to_owned() };
@@ -177,9 +177,9 @@ pub fn spec_path((kind, name): (StageKind, &str), path: &str, spec: Option<&Tabl
     }
 }
 
-/// The environment of a fine-tuning: that of the training with another ground, and with another exploration,
-/// engine and reward weights if they are given. It is the very stage of a spec that has them in `[terrain]`,
-/// `[action]`, `[physics]` and `[reward]`.
+/// The environment of a fine-tuning: that of the training with another ground and, if given, another
+/// exploration, engine and reward weights. It is the same stage as for a spec with these values in
+/// `[terrain]`, `[action]`, `[physics]` and `[reward]`.
 fn tuned_env((arm, origins): (&Arm, &BTreeMap<String, String>), tuning: Section) -> Draft {
     let mut draft = plain((arm, origins), StageKind::Env, json!(null).into());
     for (place, own) in replaced(tuning) {
@@ -204,7 +204,7 @@ fn at<'a>(table: &'a Table, path: &str) -> Option<&'a Value> {
     }
 }
 
-/// Puts a value at a path of a table that has it.
+/// Replaces the value at an existing path of a table.
 fn replace(table: &mut Table, path: &str, value: Value) {
     match path.split_once('.') {
         None => drop(table.insert(path.to_owned(), value)),
@@ -216,13 +216,13 @@ fn replace(table: &mut Table, path: &str, value: Value) {
     }
 }
 
-/// The origins of a path and of what stands below it, under another path.
+/// The origins of a path and of the paths below it, under another path.
 fn moved(origins: &BTreeMap<String, String>, from: &str, to: &str) -> BTreeMap<String, String> {
     let moved = origins.iter().filter(|(path, _)| covers(from, path));
     moved.map(|(path, origin)| (format!("{to}{}", &path[from.len()..]), origin.clone())).collect()
 }
 
-/// The motion stage: the spec says which, the motion's own file says what it is.
+/// The motion stage: the spec names the motion, and its file defines it.
 fn motion_draft((arm, origins): (&Arm, &BTreeMap<String, String>), motion: &Table) -> Draft {
     let mut draft = plain((arm, origins), StageKind::Motion, json!(null).into());
     draft.fields.insert("motion".into(), Value::Table(motion.clone()));
@@ -237,7 +237,7 @@ fn term(arm: &Arm, kind: StageKind, name: &str, table: &Table) -> Draft {
     let path = format!("{section}.{name}");
     let mut origins = moved(&arm.origins, &path, section);
     let mut table = table.clone();
-    // Which policy it is about is said by its inputs: the same work on the same policy is one stage.
+    // The inputs determine the policy: the same work on the same policy is one stage.
     let policy = Section::new(&table).value(Setting::policy);
     table.remove(Setting::policy.name);
     origins.remove(&format!("{section}.policy"));
@@ -254,10 +254,10 @@ fn term(arm: &Arm, kind: StageKind, name: &str, table: &Table) -> Draft {
     Draft { kind, name: path, training, fields, origins, content: json!(null).into() }
 }
 
-/// What a transfer and an evaluation can both say.
+/// Keys that a transfer and an evaluation have in common.
 const PROTOCOL: [&str; 6] = ["command", "episodes", "perturbation", "seed", "terrain", "time_limit"];
 
-/// What a transfer does not say of its protocol it takes from `evaluate.nominal`, so that both engines
+/// A transfer takes the protocol keys that it does not set from `evaluate.nominal`, so that both engines
 /// answer the same question.
 fn inherit_protocol(arm: &Arm, table: &mut Table, origins: &mut BTreeMap<String, String>) {
     let Some((_, nominal)) = terms(arm, "evaluate").find(|(name, _)| *name == "nominal") else { return };
@@ -269,7 +269,7 @@ fn inherit_protocol(arm: &Arm, table: &mut Table, origins: &mut BTreeMap<String,
     }
 }
 
-/// Whether a declared field covers a path: it is the path or a table above it, or below it.
+/// Whether a declared field covers a path: it is equal, above or below.
 fn covers(field: &str, path: &str) -> bool {
     let below =
         |outer: &str, inner: &str| inner.strip_prefix(outer).is_some_and(|rest| rest.starts_with('.'));
@@ -326,7 +326,7 @@ mod tests {
             (StageKind::Env, TUNED_ENV, "terrain.height", "fine_tune.terrain.height"),
             (StageKind::Env, TUNED_ENV, "action.std", "fine_tune.std"),
             (StageKind::Env, TUNED_ENV, "reward.torque.weight", "fine_tune.weights.torque"),
-            // What the fine-tuning does not say is the training's.
+            // Keys that the fine-tuning does not set are the training's.
             (StageKind::Env, TUNED_ENV, "reward.speed.weight", "reward.speed.weight"),
             (StageKind::Env, TUNED_ENV, "physics.engine", "physics.engine"),
             (StageKind::Env, "env", "reward.torque.weight", "reward.torque.weight"),

@@ -1,28 +1,28 @@
-//! Why there is no graph.
+//! Errors of plans.
 
 use super::fingerprint::Fingerprint;
 use crate::diag::{Diagnostic, Span};
 
-/// Why there is no graph.
+/// Why a plan could not be made or read.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PlanError {
-    /// A stage takes in something that no stage of its arm makes.
+    /// A stage needs an input that no stage of its arm produces.
     #[error("{arm}: `{stage}` needs a stage of the kind `{producer}`, and the spec declares none")]
     MissingProducer {
         /// The arm.
         arm: String,
         /// The consumer.
         stage: String,
-        /// What it lacks.
+        /// The missing kind of stage.
         producer: &'static str,
     },
-    /// Two arms with one name.
+    /// Two arms with the same name.
     #[error("two arms are named `{name}`")]
     SameName {
         /// The name.
         name: String,
     },
-    /// A plan file names an input that it does not hold.
+    /// A stage of a plan file has an input that is not in the file.
     #[error("the input `{role}` of the stage `{stage}` is not in the plan")]
     MissingInput {
         /// The consumer.
@@ -30,10 +30,10 @@ pub enum PlanError {
         /// The role of the input.
         role: String,
     },
-    /// A plan file whose stages depend on each other in a circle.
+    /// A plan file whose stages depend on each other in a cycle.
     #[error("the stage `{stage}` depends on itself")]
     Cycle {
-        /// A stage of the circle.
+        /// A stage of the cycle.
         stage: String,
     },
     /// A plan file with a stage that no arm uses.
@@ -48,15 +48,15 @@ pub enum PlanError {
         /// The stage.
         stage: String,
     },
-    /// A plan file one part of which denies another.
+    /// A plan file that contradicts itself.
     #[error("the plan contradicts itself: {place}: {reason}")]
     Contradiction {
         /// The stage or arm.
         place: String,
-        /// What does not agree.
+        /// The contradiction.
         reason: String,
     },
-    /// A plan file of a version that made a stage's numbers in another way.
+    /// A plan file of a version that computed a stage's numbers differently.
     #[error(
         "the plan was saved by another version of specforge: the stage `{stage}` has {found}, this version \
          {now}"
@@ -64,15 +64,15 @@ pub enum PlanError {
     Version {
         /// The stage.
         stage: String,
-        /// What the file says.
+        /// Value in the file.
         found: String,
-        /// What this version says.
+        /// Value in this version.
         now: String,
     },
 }
 
 impl PlanError {
-    /// The arm that it is about and the path in its spec, when a spec is to blame.
+    /// The affected arm and path in its spec, if the spec is the cause.
     pub fn place(&self) -> Option<(&str, &str)> {
         match self {
             Self::MissingProducer { arm, stage, .. } => Some((arm, stage)),
@@ -81,7 +81,7 @@ impl PlanError {
         }
     }
 
-    /// What to write.
+    /// The fix.
     fn help(&self) -> Option<&'static str> {
         match self {
             Self::MissingProducer { producer: "export", .. } => {
@@ -97,7 +97,7 @@ impl PlanError {
         }
     }
 
-    /// The same for people and programs; with the place in the spec that is to blame, where there is one.
+    /// The diagnostic, with its location in the spec if the spec is the cause.
     pub fn diagnostic(&self, place: Option<Span>) -> Diagnostic {
         let plain = Diagnostic::error(self.code(), self.to_string());
         let placed = match place {

@@ -1,4 +1,5 @@
-//! Fingerprints: what a stage's result depends on, as data that can be stored, compared and hashed.
+//! Fingerprints: everything that a stage's result depends on, as data that can be stored, compared and
+//! hashed.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -13,7 +14,7 @@ use super::shared::Shared;
 pub struct Fingerprint(String);
 
 impl Fingerprint {
-    /// The fingerprint of a text that was written by [`fmt::Display`].
+    /// Parses a fingerprint in the form of [`fmt::Display`].
     pub fn parse(text: &str) -> Option<Self> {
         let valid = text.len() == 64 && text.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'));
         valid.then(|| Self(text.to_owned()))
@@ -24,7 +25,7 @@ impl Fingerprint {
         &self.0
     }
 
-    /// The first twelve digits, for people.
+    /// The first twelve digits, for display.
     pub fn short(&self) -> &str {
         &self.0[..12]
     }
@@ -50,8 +51,8 @@ impl fmt::Display for Fingerprint {
     }
 }
 
-/// Everything that a stage's result depends on, and nothing else: no names of arms, no paths, no
-/// times, no comments, no spelling of units.
+/// Everything that a stage's result depends on, and nothing else: independent of names of arms, paths, times,
+/// comments and the spelling of units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Recipe {
     /// The kind of the stage.
@@ -60,7 +61,7 @@ pub struct Recipe {
     pub epoch: u32,
     /// The declared fields, resolved, as SI numbers.
     pub fields: Shared<serde_json::Value>,
-    /// What comes from other files: the resolved robot, the motion file, the template's digest.
+    /// Contents of other files: the resolved robot, the motion file, the template's digest.
     pub content: Shared<serde_json::Value>,
     /// Fingerprints of the inputs by role.
     pub inputs: BTreeMap<String, Fingerprint>,
@@ -74,7 +75,7 @@ impl Recipe {
         self.fingerprint_of(&Texts::of(&self.fields, &self.content))
     }
 
-    /// The same, of fields and content whose canonical JSON is known.
+    /// The fingerprint, given the canonical JSON of fields and content.
     pub fn fingerprint_of(&self, texts: &Texts) -> Fingerprint {
         let Texts { fields, content } = texts;
         let inputs = canonical_json(&serde_json::to_value(&self.inputs).expect("fingerprints are texts"));
@@ -94,7 +95,7 @@ impl Recipe {
     }
 }
 
-/// The parts of a recipe that many stages share, as canonical JSON.
+/// Parts of a recipe that many stages share, as canonical JSON.
 #[derive(Clone, Debug)]
 pub struct Texts {
     /// The fields.
@@ -110,8 +111,8 @@ impl Texts {
     }
 }
 
-/// JSON with sorted keys, without spaces, and with one spelling per number (`1`, `1.0` and `1e0` are
-/// all `1`; `-0.0` is `0`).
+/// JSON with sorted keys, without spaces, and with one form per number (`1`, `1.0` and `1e0` are all `1`;
+/// `-0.0` is `0`).
 pub fn canonical_json(value: &serde_json::Value) -> String {
     let mut text = String::new();
     write_canonical(value, &mut text);
@@ -151,7 +152,7 @@ fn write_list<T>(
     out.push(brackets[1]);
 }
 
-/// Whole numbers below 2^53 are written as integers, whatever their type was.
+/// Whole numbers below 2^53 are written as integers, whatever their type.
 fn canonical_number(number: &serde_json::Number) -> String {
     const EXACT: f64 = 9_007_199_254_740_992.0;
     match number.as_f64() {

@@ -1,4 +1,4 @@
-//! The dataflow graph: stages and the artefacts that flow between them.
+//! The dataflow graph: stages and the artefacts between them.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,7 +17,7 @@ use super::suite::{RunRecord, SuiteRecord};
 use super::{draft, neutral};
 use crate::spec::{Table, Value};
 
-/// A place where a stage is used: an arm and the stage's name in it (`learner`, `evaluate.nominal`).
+/// One use of a stage: an arm and the stage's name in it (`learner`, `evaluate.nominal`).
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct User {
     /// The arm; the report's name for a report.
@@ -26,21 +26,21 @@ pub struct User {
     pub stage: String,
 }
 
-/// A node of the graph: one piece of work.
+/// A node of the graph: one unit of work.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stage {
     /// What it does.
     pub kind: StageKind,
     /// Its key: the fingerprint of its recipe.
     pub fingerprint: Fingerprint,
-    /// Where it is used, in the order of the arms. Stages of equal fingerprint are one node.
+    /// Its uses, in the order of the arms. Stages with the same fingerprint are one node.
     pub users: Vec<User>,
-    /// The declared fields, decoded, with the author's texts. An `evaluate.NAME` or `deploy.NAME` table
-    /// stands here as `evaluate` or `deploy`.
+    /// The declared fields, decoded, with the author's texts. An `evaluate.NAME` or `deploy.NAME` table is
+    /// stored as `evaluate` or `deploy`.
     pub fields: Shared<Table>,
-    /// Where the values of the fields come from, by dotted path as in `fields`.
+    /// The origins of the fields' values, by dotted path as in `fields`.
     pub origins: Shared<BTreeMap<String, String>>,
-    /// What the fingerprint is made of.
+    /// The content of the fingerprint.
     pub recipe: Recipe,
 }
 
@@ -50,8 +50,8 @@ impl Stage {
         &self.users[0].stage
     }
 
-    /// The path of a value in the recipe that is not the one in the fields. What changes no result is left
-    /// out: how much a recipe leaves out has grown over the versions.
+    /// The path of a value in the recipe that differs from the fields. Values that affect no result are
+    /// ignored: later versions leave more of them out of a recipe.
     pub fn hidden_field(&self) -> Option<String> {
         difference(&neutral::fields(&self.fields), &neutral::stripped(&self.recipe.fields))
     }
@@ -69,42 +69,42 @@ fn difference(one: &serde_json::Value, other: &serde_json::Value) -> Option<Stri
     }
 }
 
-/// An artefact that flows from one stage to another.
+/// An artefact that one stage passes to another.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Edge {
-    /// The name under which the consumer finds it.
+    /// The consumer's name for it.
     pub role: String,
-    /// What it is.
+    /// Its kind.
     pub artefact: String,
 }
 
-/// What a report needs to know of an arm beside its artefacts.
+/// What a report needs of an arm in addition to its artefacts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ArmRecord {
     /// Its name.
     pub name: String,
-    /// How the user asked for it.
+    /// The command-line arguments that selected it.
     pub request: Request,
     /// All its decoded fields.
     pub fields: Sections,
-    /// Where each value comes from.
+    /// The origin of each value.
     pub origins: Shared<BTreeMap<String, String>>,
     /// Its stages by name.
     pub stages: BTreeMap<String, Fingerprint>,
-    /// The warnings that are meant, with their reasons.
+    /// The accepted warnings, with their reasons.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub allow: BTreeMap<String, String>,
-    /// Where it stands in its suite, when it is a run of one.
+    /// Its position in its suite, if it is a run of one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub run: Option<RunRecord>,
 }
 
-/// The graph of a run. Serialised it is the file that `specforge stage --plan` reads (`saved`).
+/// The graph of a run. Serialised, it is the file that `specforge stage --plan` reads (`saved`).
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// The arms in the order of the command line; of a suite, its runs in the order of arms and seeds.
+    /// The arms in the order of the command line; for a suite, its runs in the order of arms and seeds.
     pub arms: Vec<ArmRecord>,
-    /// The suite that it is the plan of.
+    /// The suite, if the plan is of one.
     pub suite: Option<SuiteRecord>,
     graph: DiGraph<Stage, Edge>,
     index: BTreeMap<Fingerprint, NodeIndex>,
@@ -112,7 +112,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The graph of these stages, each after the stages that it takes in.
+    /// The graph of these stages, each after its inputs.
     pub fn new(arms: Vec<ArmRecord>, stages: Vec<Stage>) -> Result<Self, PlanError> {
         let mut graph = DiGraph::new();
         let mut index = BTreeMap::new();
@@ -137,15 +137,15 @@ impl Plan {
         Ok(Self { arms, suite: None, graph, index, order })
     }
 
-    /// What its arms' names belong to: the suite, where it is one, and the profile. Suites have arms of the
-    /// same names.
+    /// The scope of its arms' names: the suite, if there is one, and the profile. Arms of different suites
+    /// may have the same names.
     pub fn scope(&self) -> String {
         let suite = self.suite.as_ref().map_or("", |suite| suite.name.as_str());
         let profile = self.arms.first().and_then(|arm| arm.request.profile.as_deref()).unwrap_or_default();
         format!("{suite}/{profile}")
     }
 
-    /// The same plan with a report of another name.
+    /// The same plan with another name of the report.
     pub fn reported_as(mut self, name: &str) -> Result<Self, PlanError> {
         let suite = self.suite.take();
         let mut stages: Vec<Stage> = self.stages().cloned().collect();
@@ -164,7 +164,7 @@ impl Plan {
         self.order.iter().map(|node| &self.graph[*node])
     }
 
-    /// Whether every arm that uses a stage means a warning of this code.
+    /// Whether every arm that uses a stage accepts a warning with this code.
     pub fn allows(&self, stage: &Stage, code: &str) -> bool {
         let mut users =
             self.arms.iter().filter(|arm| stage.users.iter().any(|user| user.arm == arm.name)).peekable();
@@ -176,7 +176,7 @@ impl Plan {
         self.index.get(fingerprint).map(|node| &self.graph[*node])
     }
 
-    /// A path of a stage's `fields` as it is written in its file (`evaluate.episodes` is
+    /// The path in the spec's file of a path in a stage's `fields` (`evaluate.episodes` is
     /// `evaluate.nominal.episodes`).
     pub fn spec_path(&self, stage: &Stage, path: &str) -> String {
         let arm = self.arms.iter().find(|arm| arm.name == stage.users[0].arm);
@@ -184,7 +184,7 @@ impl Plan {
         draft::spec_path((stage.kind, stage.name()), path, written.as_ref())
     }
 
-    /// What flows into a stage: producers and edges in the order of their roles.
+    /// The inputs of a stage: producers and edges in the order of their roles.
     pub fn inputs(&self, stage: &Stage) -> Vec<(&Stage, &Edge)> {
         let node = self.index[&stage.fingerprint];
         let mut inputs: Vec<_> = self
@@ -196,7 +196,7 @@ impl Plan {
         inputs
     }
 
-    /// The stages that take in this stage's artefact.
+    /// The stages that use this stage's artefact.
     pub fn consumers(&self, stage: &Stage) -> BTreeSet<Fingerprint> {
         let node = self.index[&stage.fingerprint];
         self.graph
@@ -205,7 +205,7 @@ impl Plan {
             .collect()
     }
 
-    /// All stages upstream or downstream of a stage, itself included.
+    /// All stages upstream or downstream of a stage, including itself.
     pub fn reachable(&self, stage: &Stage, direction: Direction) -> BTreeSet<Fingerprint> {
         let mut found = BTreeSet::new();
         let mut open = vec![self.index[&stage.fingerprint]];
@@ -217,8 +217,8 @@ impl Plan {
         found
     }
 
-    /// A stage's name for people: `learner` when all arms share it, else `ARM/learner`; when it belongs to
-    /// all runs of an arm of a suite, the arm stands for them.
+    /// A stage's name for display: `learner` if all arms share it, otherwise `ARM/learner`; if all runs of a
+    /// suite's arm share it, the arm's name.
     pub fn label(&self, stage: &Stage) -> String {
         let arms: BTreeSet<&str> = stage.users.iter().map(|user| user.arm.as_str()).collect();
         if arms.len() >= self.arms.len().max(1) || stage.kind == StageKind::Report {
@@ -235,8 +235,8 @@ impl Plan {
         format!("{}/{}", if shared { arm } else { run }, stage.name())
     }
 
-    /// The stages that a user means by a word: `ARM/STAGE`, a stage's name, a kind, or at least six
-    /// digits of a key. The arm may be a run of a suite, all runs of one of its arms, or a run's id.
+    /// The stages that match a user's word: `ARM/STAGE`, a stage's name, a kind, or at least six digits of a
+    /// key. The arm may be a run of a suite, all runs of one of its arms, or a run's id.
     pub fn find(&self, word: &str) -> Vec<&Stage> {
         let (arm, stage) = word.rsplit_once('/').unwrap_or_default();
         let runs = self.arms.iter().filter_map(|record| Some((record.run.as_ref()?, record)));
@@ -257,7 +257,7 @@ impl Plan {
             .collect()
     }
 
-    /// All words that [`Plan::find`] understands, but keys; of a suite without those of single runs.
+    /// All words that [`Plan::find`] understands, except keys; for a suite, without those of single runs.
     pub fn words(&self) -> BTreeSet<String> {
         if self.suite.is_some() {
             let of_arm = |record: &ArmRecord| record.run.as_ref().map(|run| format!("{}/learner", run.arm));

@@ -1,4 +1,4 @@
-//! Lowering: arms in, graph out. Stages of equal fingerprint become one node that the arms share.
+//! Lowering: from arms to the graph. Stages with the same fingerprint become one node that the arms share.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,29 +16,29 @@ use super::suite::{self, SuiteRecord};
 use super::{neutral, revision};
 use crate::spec::{Table, Value};
 
-/// What a report depends on beside the arms.
+/// Inputs of a report other than the arms.
 #[derive(Clone, Debug)]
 pub struct ReportSource {
-    /// Its name; `reports/NAME.md` is what it becomes.
+    /// Its name; the page is `reports/NAME.md`.
     pub name: String,
-    /// Digest of the templates that it is rendered with.
+    /// Digest of its templates.
     pub templates: String,
-    /// The suite that it is about.
+    /// Its suite, if any.
     pub suite: Option<ReportedSuite>,
-    /// The specs that its arms are compared with, resolved.
+    /// The specs with which its arms are compared, resolved.
     pub baselines: Vec<Table>,
 }
 
-/// What the report of a suite depends on beside its runs.
+/// Inputs of a suite's report other than its runs.
 #[derive(Clone, Debug)]
 pub struct ReportedSuite {
     /// Its axes and seeds.
     pub record: SuiteRecord,
-    /// The sections `report`, `name`, `summary` and what else stands in the suite for its report.
+    /// The sections `report`, `name`, `summary` and other settings of the suite for its report.
     pub fields: Table,
 }
 
-/// Lowers arms to the graph. Without a [`ReportSource`] there is no report stage.
+/// Lowers arms to the graph. The report stage is made only from a [`ReportSource`].
 pub fn lower(arms: &[Arm], report: Option<&ReportSource>) -> Result<Plan, PlanError> {
     let mut nodes = Nodes::default();
     let mut records: Vec<ArmRecord> = Vec::new();
@@ -59,7 +59,7 @@ pub fn lower(arms: &[Arm], report: Option<&ReportSource>) -> Result<Plan, PlanEr
     Ok(plan)
 }
 
-/// Stages so far, each once.
+/// Distinct stages so far.
 #[derive(Default)]
 struct Nodes {
     stages: Vec<Stage>,
@@ -79,7 +79,7 @@ impl Nodes {
         key
     }
 
-    /// A stage that is known has another user.
+    /// Adds a user to a known stage.
     fn reuse(&mut self, key: &Fingerprint, user: User) {
         if let Some(place) = self.places.get(key) {
             self.stages[*place].users.push(user);
@@ -87,7 +87,8 @@ impl Nodes {
     }
 }
 
-/// A draft with what all runs of an arm share: its canonical texts, and the last stage that was made of it.
+/// A draft with the parts that all runs of an arm share: its canonical texts, and the last stage made from
+/// it.
 struct Form {
     draft: Draft,
     /// The revisions of the arm's task.
@@ -110,7 +111,7 @@ impl Form {
         Self::new(draft, task)
     }
 
-    /// The same under another learning seed.
+    /// The same form under another learning seed.
     fn seeded(&self, seed: u64) -> Self {
         let fields = suite::seeded(&self.draft.fields, seed).into();
         Self::new(Draft { fields, ..self.draft.clone() }, self.task.clone())
@@ -135,7 +136,7 @@ impl Form {
     }
 }
 
-/// Lowers an arm, or each of its runs; what does not read the learning seed is made once.
+/// Lowers an arm, or each of its runs; stages that do not read the learning seed are made once.
 fn lower_arm(arm: &Arm, nodes: &mut Nodes, records: &mut Vec<ArmRecord>) -> Result<(), PlanError> {
     let mut origins = arm.origins.clone();
     if let Some(origin) = arm.runs.as_ref().and_then(|runs| runs.origin.clone()) {
@@ -193,10 +194,10 @@ fn lower_run(
     Ok(stages)
 }
 
-/// A stage of an arm: what it is, to which training it belongs, and its key.
+/// A stage of an arm: its kind, its training, and its key.
 type Made = ((StageKind, Training), Fingerprint);
 
-/// What a stage takes in of those that were made before it.
+/// The inputs of a stage among the stages made before it.
 fn inputs(arm: &Arm, draft: &Draft, made: &[Made]) -> Result<BTreeMap<String, Fingerprint>, PlanError> {
     let mut inputs = BTreeMap::new();
     for input in draft.kind.facts().inputs {
@@ -231,8 +232,7 @@ fn report_stage(source: &ReportSource, first: &Arm, records: &[ArmRecord]) -> St
         draft.fields = suite.fields.clone().into();
         draft.origins = BTreeMap::new().into();
     }
-    // The other arms are inputs, and of baselines the values count; under which paths they were found does
-    // not matter.
+    // The other arms are inputs. Of baselines only the values count, not the paths at which they were found.
     if let Some(Value::Table(report)) = draft.fields.get_mut("report") {
         report.remove("compare");
         report.remove("baseline");
@@ -241,7 +241,7 @@ fn report_stage(source: &ReportSource, first: &Arm, records: &[ArmRecord]) -> St
         let baselines = source.baselines.iter().cloned().map(Value::Table).collect();
         draft.fields.insert("baselines".into(), Value::List(baselines));
     }
-    // The order of the arms is the order of the report's columns.
+    // The order of the arms determines the order of the report's columns.
     draft.fields.insert(
         "arms".into(),
         Value::List(records.iter().map(|record| Value::Table(column(record))).collect()),
@@ -252,7 +252,7 @@ fn report_stage(source: &ReportSource, first: &Arm, records: &[ArmRecord]) -> St
     Form::new(draft, Vec::new()).stage(inputs.collect())
 }
 
-/// What a report says of an arm itself.
+/// The properties of an arm that a report shows.
 fn column(record: &ArmRecord) -> Table {
     let mut column = Table::from([("name".to_owned(), Value::Text(record.name.clone()))]);
     match &record.run {

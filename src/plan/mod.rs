@@ -1,5 +1,5 @@
-//! Lowering checked experiments to the dataflow graph, and what can be said about the graph without
-//! running it: fingerprints, cache states, reasons. No simulator, no libtorch, no files.
+//! Lowers checked experiments to the dataflow graph, and analyses the graph without running it: fingerprints,
+//! cache states, reasons. Uses neither simulators nor libtorch nor files.
 
 mod alike;
 mod arm;

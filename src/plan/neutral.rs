@@ -1,5 +1,5 @@
-//! What may be written in two ways with the same result: it enters a recipe in one of them, so that rewriting
-//! it makes no stage anew.
+//! Normalizes spellings with the same result, so that a recipe has only one of them and rewriting a spec
+//! invalidates no stage.
 
 use serde_json::Value as Json;
 
@@ -7,10 +7,10 @@ use super::defaults;
 use crate::spec::Table;
 use crate::spec::value::canonical_table;
 
-/// Keys whose value changes no result: section, key.
+/// Keys that affect no result: section, key.
 const IDLE: &[(&str, &str)] = &[("learn", "checkpoint_every")];
 
-/// Values of keys without a default that say what is meant without them: section, key, value.
+/// Values that are equivalent to a missing key: section, key, value.
 const IMPLIED: &[(&str, &str, &str)] = &[
     ("action", "feedback", "true"),
     ("action", "phase_action", "time"),
@@ -21,12 +21,12 @@ const IMPLIED: &[(&str, &str, &str)] = &[
     ("learn", "time_limit", "bootstrap"),
 ];
 
-/// The fields of a stage as its recipe has them: canonical, without what changes no result.
+/// The fields of a stage's recipe: canonical, without what affects no result.
 pub fn fields(fields: &Table) -> Json {
     stripped(&canonical_table(fields))
 }
 
-/// Canonical fields, of whatever version, without what changes no result.
+/// Canonical fields of any version, without what affects no result.
 pub fn stripped(fields: &Json) -> Json {
     let mut fields = fields.clone();
     let mut drop_if = |section: &str, key: &str, idle: &dyn Fn(&Json) -> bool| {
@@ -42,8 +42,8 @@ pub fn stripped(fields: &Json) -> Json {
     fields
 }
 
-/// Removes an early stop that stops nothing: one that is not before the end, and that of the first training
-/// from a fine-tuning.
+/// Removes an early stop without effect: one at or after the end, and that of the first training from a
+/// fine-tuning.
 fn strip_idle_stop(fields: &mut Json) {
     let is_fine_tuning = fields.get("fine_tune").is_some();
     let Some(learn) = fields.get_mut("learn").and_then(Json::as_object_mut) else { return };

@@ -1,4 +1,4 @@
-//! The plan as text: a table for people, dot and mermaid for figures, JSON for programs.
+//! Output forms of a plan: a table for people, dot and mermaid for figures, JSON for programs.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -47,7 +47,7 @@ fn reason_json(status: &Status) -> serde_json::Value {
     json!({"changes": status.changes, "note": status.note})
 }
 
-/// The table of `plan`: what all arms share, then each arm, then the report.
+/// The table of `plan`: shared stages, then each arm, then the report.
 pub fn text(plan: &Plan, statuses: &Statuses) -> String {
     let mut out = String::new();
     for (title, stages) in groups(plan) {
@@ -77,7 +77,7 @@ fn row(plan: &Plan, stage: &Stage, status: &Status) -> String {
     out
 }
 
-/// How an input is called: by its role, or by its name where the fine-tuning takes the role of the training.
+/// The name of an input: its role, or its stage's name if a fine-tuning replaces the training.
 fn taken(from: &Stage, role: &str) -> String {
     let tuned = from.kind == StageKind::FineTune || from.name() == TUNED_ENV;
     if tuned { from.name().to_owned() } else { role.to_owned() }
@@ -85,7 +85,7 @@ fn taken(from: &Stage, role: &str) -> String {
 
 /// Stages under the titles of the text form, in the plan's order.
 fn groups(plan: &Plan) -> Vec<(String, Vec<&Stage>)> {
-    /// As many arms are named in a title.
+    /// Largest number of arms that a title names.
     const NAMED: usize = 6;
     let mut groups: Vec<(String, Vec<&Stage>)> = Vec::new();
     let mut places: BTreeMap<String, usize> = BTreeMap::new();
@@ -141,7 +141,7 @@ pub fn change(change: &Change) -> String {
     format!("{}: {} -> {}{through}", change.field, value(&change.from), value(&change.to))
 }
 
-/// The graph in the language of Graphviz.
+/// The graph in Graphviz' dot language.
 pub fn dot(plan: &Plan, statuses: &Statuses) -> String {
     let mut out = String::from(
         "digraph plan {\n  rankdir=LR;\n  node [shape=box, style=\"rounded,filled\", \
@@ -167,7 +167,7 @@ pub fn dot(plan: &Plan, statuses: &Statuses) -> String {
     out
 }
 
-/// The graph in the language of Mermaid, which GitHub draws in Markdown.
+/// The graph in Mermaid's language, which GitHub renders in Markdown.
 pub fn mermaid(plan: &Plan, statuses: &Statuses) -> String {
     let mut out = String::from("flowchart LR\n");
     for stage in plan.stages() {

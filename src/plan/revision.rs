@@ -1,5 +1,5 @@
-//! Revisions of single kinds: a kind whose numbers have changed makes only those stages anew that use it,
-//! where a stage's epoch would make all of them anew.
+//! Revisions of single kinds: a change of a kind's numbers invalidates only the stages that use it, whereas a
+//! stage's epoch would invalidate all of them.
 
 use super::stage::StageKind;
 use crate::kinds::deploy::{Deployment, Transfer};
@@ -9,20 +9,21 @@ use crate::kinds::task::Task;
 use crate::kinds::task::stand::Stand;
 use crate::spec::{Section, Table};
 
-/// What has changed since its first release: section, kind, revision. Raised when the kind's numbers change
-/// for the same keys.
+/// Kinds that have changed since their first release: section, kind, revision. Raised when the kind's numbers
+/// change for the same keys.
 const KINDS: &[(&str, &str, u32)] = &[
-    // Six scales are those of the joints' functions, whatever the robot's joint order.
+    // Six scales belong to the joints' functions, whatever the robot's joint order.
     ("observe", "joint_velocity", 2),
-    // Whatever stands up below the middle of a sole lifts it.
+    // Anything that protrudes below the middle of a sole lifts it.
     ("terrain", "box_obstacle", 2),
-    // The same, and heights on the engines' triangles.
+    // As above, and heights on the engines' triangles.
     ("terrain", "height_field", 2),
-    // Bones are stretched, not scaled in all directions; inertia, shapes and the reference's heights follow.
+    // Links are stretched along their length, not scaled in all directions; inertia, shapes and the
+    // reference's heights follow.
     ("randomize", "leg_length", 2),
-    // A push has its whole impulse, whatever the physics step.
+    // A push has its exact impulse, whatever the physics step.
     ("randomize", "push", 2),
-    // A delay is the time that was drawn, not the nearest number of physics steps.
+    // A delay is exactly the drawn time, not rounded to physics steps.
     ("randomize", "action_delay", 2),
 ];
 
@@ -56,7 +57,7 @@ pub fn of(kind: StageKind, fields: &Table) -> Vec<String> {
     }
 }
 
-/// The revisions that depend on the task of the arm, which the stage itself does not read.
+/// The revisions for the task of the arm, which the stage itself does not read.
 pub fn of_task(kind: StageKind, arm: &Table) -> Vec<String> {
     let task = Section::new(arm).within::<Task>();
     let stands = task.is_some_and(|task| task.is::<Stand>());
@@ -64,18 +65,18 @@ pub fn of_task(kind: StageKind, arm: &Table) -> Vec<String> {
     match kind {
         // They measure how far the base drifts.
         StageKind::Evaluate | StageKind::Transfer if stands => vec!["task.stand, revision 2".into()],
-        // The contract has the cycle in which the phase moves.
+        // The contract contains the duration of the phase's cycle.
         StageKind::Export if still => vec!["task without a motion, revision 2".into()],
         _ => Vec::new(),
     }
 }
 
-/// The revised kinds of an evaluation's own ground and randomization.
+/// The revised kinds in an evaluation's own ground and randomization.
 fn own(table: Section) -> Vec<String> {
     revised(table, |section| matches!(section, "terrain" | "randomize"))
 }
 
-/// The revision of drawn delays, where an evaluation scales the delay in its parameter sets.
+/// The revision of randomized delays, if an evaluation scales the delay in its parameter sets.
 fn sets(evaluate: Section) -> Vec<String> {
     let parameters = evaluate.value(ParameterSets::parameters).unwrap_or_default();
     let scaled = |name: &str| parameters.iter().any(|parameter| parameter.word() == name);
@@ -84,13 +85,13 @@ fn sets(evaluate: Section) -> Vec<String> {
     delays.map(|(at, name, now)| format!("{at}.{name}, revision {now}")).collect()
 }
 
-/// The revised kinds in use, of these sections.
+/// The revised kinds that are used in these sections.
 fn revised(fields: Section, of: impl Fn(&str) -> bool) -> Vec<String> {
     let used = KINDS.iter().filter(|(section, name, _)| of(section) && uses(fields, section, name));
     used.map(|(at, name, now)| format!("{at}.{name}, revision {now}")).collect()
 }
 
-/// Whether a section is of a kind, or has a term of it.
+/// Whether a section has a kind, or a term of it.
 fn uses(fields: Section, section: &str, kind: &str) -> bool {
     let Some(section) = fields.section(section) else { return false };
     section.kind() == Some(kind) || section.sections().any(|(name, term)| term.kind().unwrap_or(name) == kind)

@@ -1,5 +1,5 @@
-//! E0806 and E0816: what is compared comes from different stages, decided by the keys of the plan. Two arms
-//! of a suite may differ in values that the stage of a claim never reads; both then have one and the same
+//! E0806 and E0816: compared results must come from different stages, which the keys of the plan show. Two
+//! arms of a suite may differ in values that the stage of a claim never reads; both then have the same
 //! result.
 
 use std::collections::BTreeMap;
@@ -15,20 +15,20 @@ use crate::spec::suggest::listed;
 use crate::spec::{Table, Value};
 use crate::syntax::Layer;
 
-/// The most differing keys that a message names.
+/// Largest number of differing keys that a message names.
 const NAMED: usize = 4;
 
-/// Keys of a spec that say how it is called and reported.
+/// Keys of a spec that affect only its name and report.
 const UNREAD: [&str; 3] = ["name", "summary", "report"];
 
-/// The claims of a suite that compare a result with itself: one error for each.
+/// The claims of a suite that compare a result with itself, one error each.
 pub fn claims(plan: &Plan, claims: &[Claim]) -> Vec<Diagnostic> {
     let arms = arms(plan);
     claims.iter().filter_map(|claim| Comparing { plan, arms: &arms, claim }.trouble()).collect()
 }
 
-/// What is wrong with a comparison of two arms of a plan: every result that both have is one and the same.
-/// `None` when one differs at least, and when there is nothing to compare.
+/// What is wrong with a comparison of two arms of a plan: all their common results are the same. `None` if
+/// one differs, or if there is nothing to compare.
 pub fn specs(plan: &Plan, own: &str, other: &str) -> Option<Diagnostic> {
     let arm = |name: &str| plan.arms.iter().find(|arm| arm.name == name);
     let [own, other] = [arm(own)?, arm(other)?];
@@ -71,11 +71,11 @@ fn arms(plan: &Plan) -> Vec<Runs<'_>> {
     arms
 }
 
-/// What the value of a run is computed from.
+/// Inputs of the value of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Origin<'a> {
     own: &'a Fingerprint,
-    /// Of the baseline.
+    /// The baseline's stage.
     base: Option<&'a Fingerprint>,
 }
 
@@ -97,7 +97,7 @@ impl<'a> Comparing<'a> {
         })
     }
 
-    /// E0816: the baseline of an arm's runs is the stage of the metric.
+    /// E0816: the baseline of an arm's runs is the metric's own stage.
     fn of_its_own_baseline(&self, arm: usize, points: &[&Points]) -> Option<Diagnostic> {
         let baseline = self.claim.baseline.as_ref()?;
         let origins = self.origins(arm, points);
@@ -127,7 +127,7 @@ impl<'a> Comparing<'a> {
         Some(self.at(key, Diagnostic::error("E0816", message), "the same result").help(help))
     }
 
-    /// E0806: the two sides of a comparison have the same results.
+    /// E0806: both sides of a comparison have the same result.
     fn of_one_result(&self, case: &Case, points: &[&Points]) -> Option<Diagnostic> {
         let other = case.b?;
         if !self.are_alike(case.a, other, points) {
@@ -140,7 +140,7 @@ impl<'a> Comparing<'a> {
         Some(error.help(self.advice(case.a, other)))
     }
 
-    /// E0806: comparisons that are counted or put together are of different results.
+    /// E0806: comparisons that are counted or pooled must have different results.
     fn counted_twice(&self, cases: &[Case], points: &[&Points]) -> Option<Diagnostic> {
         let over = self.claim.over.as_ref()?;
         if !over.is_joint() && over.count().is_none() {
@@ -151,8 +151,8 @@ impl<'a> Comparing<'a> {
             let b = first.b.zip(second.b).map(|(one, other)| is_same(one, other));
             [Some(is_same(first.a, second.a)), b].into_iter().flatten().collect::<Vec<bool>>()
         };
-        // Results that are put together are independent, side by side; comparisons that are counted differ in
-        // one side at least.
+        // Pooled results must be independent, side by side; counted comparisons must differ in at least one
+        // side.
         let are_same = |first: &Case, second: &Case| match over.is_joint() {
             true => sides(first, second).contains(&true),
             false => !sides(first, second).contains(&false),
@@ -177,15 +177,14 @@ impl<'a> Comparing<'a> {
         Some(error.help(self.advice(one, other)).help("or name one of these arms in the claim"))
     }
 
-    /// Whether two arms have runs of a common seed, and each of these has the same result in both.
+    /// Whether two arms have runs with a common seed, and each such pair has the same result.
     fn are_alike(&self, one: usize, other: usize, points: &[&Points]) -> bool {
         let [one, other] = [one, other].map(|arm| self.origins(arm, points));
         let mut common = one.iter().filter_map(|(seed, own)| Some((own, other.get(seed)?))).peekable();
         common.peek().is_some() && common.all(|(own, other)| own == other)
     }
 
-    /// What the values of an arm's runs are computed from, by seed; runs without one of the stages are left
-    /// out.
+    /// The stages behind the values of an arm's runs, by seed; runs without one of the stages are left out.
     fn origins(&self, arm: usize, points: &[&Points]) -> BTreeMap<u64, Origin<'a>> {
         let baseline = self.claim.baseline.as_ref();
         let compared = match baseline.and_then(|baseline| baseline.twin.as_ref()) {
@@ -205,7 +204,7 @@ impl<'a> Comparing<'a> {
         self.arms[arm].by_seed.iter().filter_map(origin).collect()
     }
 
-    /// What two arms differ in, and what would make their results differ.
+    /// The differences of two arms, and how to make their results differ.
     fn advice(&self, one: usize, other: usize) -> String {
         let [one, other] = [one, other].map(|arm| self.arms[arm].by_seed.values().next().copied());
         let stage = &self.claim.metric.stage;
@@ -247,19 +246,19 @@ impl<'a> Comparing<'a> {
     }
 }
 
-/// The name in a plan of a stage of a claim.
+/// The name in a plan of a claim's stage.
 fn stage_of(stage: &str) -> &str {
     let trainings = [Training::First, Training::FineTuning];
     trainings.iter().find(|training| training.section() == stage).map_or(stage, |training| training.stage())
 }
 
-/// The name in a claim of a stage of a plan.
+/// The name in a claim of a plan's stage.
 fn written(stage: &str) -> &str {
     let trainings = [Training::First, Training::FineTuning];
     trainings.iter().find(|training| training.stage() == stage).map_or(stage, |training| training.section())
 }
 
-/// Whether a claim can be about a stage of an arm: a training, an evaluation or a transfer.
+/// Whether a claim can refer to a stage of an arm: a training, an evaluation or a transfer.
 fn is_measured(plan: &Plan, arm: &ArmRecord, name: &str) -> bool {
     let kind = arm.stages.get(name).and_then(|key| plan.stage(key)).map(|stage| stage.kind);
     let measured = [StageKind::Learner, StageKind::FineTune, StageKind::Evaluate, StageKind::Transfer];

@@ -1,9 +1,9 @@
-//! A plan as a file, and the proof that it does not contradict itself.
+//! Saved plans, and the check that they do not contradict themselves.
 //!
-//! A saved plan says most things twice: a stage's fields stand in its arm, in the stage and, canonical, in
-//! its recipe; edges, names and fingerprints follow from them. Whoever reads one copy must not get what
-//! another copy denies. So the arms are lowered again from what only they say, and the whole result is
-//! compared with the file.
+//! A saved plan contains most information twice: a stage's fields are in its arm, in the stage and,
+//! canonical, in its recipe; edges, names and fingerprints follow from them. Readers of different copies must
+//! not get different results. So the arms are lowered again from what only they contain, and the whole result
+//! is compared with the file.
 
 use std::collections::BTreeMap;
 
@@ -21,7 +21,7 @@ use super::{alike, revision, stage};
 use crate::spec::suite::product::arm_name;
 use crate::spec::{Table, Value};
 
-/// The form of a plan on disk.
+/// The layout of a plan file.
 #[derive(Serialize, Deserialize)]
 struct PlanFile {
     #[serde(deserialize_with = "alike::list")]
@@ -35,16 +35,16 @@ struct PlanFile {
 /// Why a file is not a plan.
 #[derive(Debug, thiserror::Error)]
 pub enum SavedError {
-    /// It is something else.
+    /// Not a plan.
     #[error("not a plan: {0}")]
     Format(#[from] serde_json::Error),
-    /// It is a plan and cannot be used.
+    /// A plan that cannot be used.
     #[error(transparent)]
     Plan(#[from] PlanError),
 }
 
 impl Plan {
-    /// Reads a plan that was saved, and checks it.
+    /// Reads and checks a saved plan.
     pub fn from_json(text: &str) -> Result<Self, SavedError> {
         Ok(Self::try_from(serde_json::from_str::<PlanFile>(text)?)?)
     }
@@ -95,7 +95,7 @@ fn contradiction(place: String, reason: String) -> PlanError {
     PlanError::Contradiction { place, reason }
 }
 
-/// What a stage says of itself twice.
+/// Checks the information that a stage contains twice.
 fn own_copies(own: &Stage, arms: &[ArmRecord]) -> Result<(), PlanError> {
     if own.users.is_empty() {
         return Err(PlanError::Unused { key: own.fingerprint.clone() });
@@ -129,7 +129,7 @@ fn own_copies(own: &Stage, arms: &[ArmRecord]) -> Result<(), PlanError> {
     Ok(())
 }
 
-/// The report's name becomes a file's name, and an arm is called as its spec is.
+/// The report's name must be a valid file name, and an arm must have the name of its spec.
 fn names(file: &PlanFile) -> Result<(), PlanError> {
     let plain = |name: &str| {
         let is_safe = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.');
@@ -140,13 +140,13 @@ fn names(file: &PlanFile) -> Result<(), PlanError> {
     if let Some(user) = reports.find(|user| !plain(&user.arm)) {
         return Err(contradiction("the report".into(), format!("`{}` cannot be a file's name", user.arm)));
     }
-    // The arms of a suite are called by their points.
+    // The arms of a suite are named by their points.
     let called = |arm: &&ArmRecord| match arm.fields.get("name") {
         Some(Value::Text(name)) if arm.run.is_none() => *name != arm.name,
         _ => false,
     };
     match file.arms.iter().find(called) {
-        Some(arm) => Err(contradiction(format!("arm `{}`", arm.name), "its `name` is another one".into())),
+        Some(arm) => Err(contradiction(format!("arm `{}`", arm.name), "its `name` is different".into())),
         None => Ok(()),
     }
 }
@@ -156,7 +156,8 @@ fn sources(file: &PlanFile, arm: &ArmRecord) -> impl Iterator<Item = Table> {
     std::iter::once(arm.fields.table()).chain(stage(file, arm, "motion").and_then(motion).cloned())
 }
 
-/// Every quantity's text says its number: a report prints the text, a stage computes with the number.
+/// Checks that every quantity's text matches its number: a report prints the text, a stage computes with the
+/// number.
 fn texts(table: &Table, above: &str) -> Result<(), String> {
     for (key, value) in table {
         text_of(value, &format!("{above}{key}"))?;
@@ -175,7 +176,7 @@ fn text_of(value: &Value, path: &str) -> Result<(), String> {
     }
 }
 
-/// What a suite's record says of its runs.
+/// Checks a suite's record against its runs.
 fn runs(suite: &SuiteRecord, arms: &[ArmRecord]) -> Result<(), PlanError> {
     let wrong = |reason: String| contradiction(format!("suite `{}`", suite.name), reason);
     let runs: Vec<&RunRecord> = arms.iter().filter_map(|arm| arm.run.as_ref()).collect();
@@ -189,7 +190,7 @@ fn runs(suite: &SuiteRecord, arms: &[ArmRecord]) -> Result<(), PlanError> {
     for group in groups {
         let arm = &group[0].arm;
         let seeds: Vec<u64> = group.iter().map(|run| run.seed).collect();
-        // An arm may leave some of the seeds out.
+        // An arm may leave out some of the seeds.
         let in_order: Vec<u64> = suite.seeds.iter().copied().filter(|seed| seeds.contains(seed)).collect();
         if !suite.seeds.is_empty() && seeds != in_order {
             return Err(wrong(format!(
@@ -201,9 +202,7 @@ fn runs(suite: &SuiteRecord, arms: &[ArmRecord]) -> Result<(), PlanError> {
             !suite.axes.iter().any(|axis| axis.name == *name && axis.points.contains(point))
         });
         if let Some((axis, point)) = strays {
-            return Err(wrong(format!(
-                "`{arm}` stands at `{axis}={point}`, which no axis of its record has"
-            )));
+            return Err(wrong(format!("`{arm}` has the point `{axis}={point}`, which its record lacks")));
         }
         let name = arm_name(&group[0].points, &suite.name);
         if name != *arm {
@@ -219,7 +218,7 @@ fn stage<'a>(file: &'a PlanFile, arm: &ArmRecord, name: &str) -> Option<&'a Stag
     file.stages.iter().find(|stage| stage.fingerprint == *key)
 }
 
-/// The motion file that a motion stage holds.
+/// The motion file in a motion stage.
 fn motion(stage: &Stage) -> Option<&Table> {
     match stage.fields.get("motion") {
         Some(Value::Table(motion)) => Some(motion),
@@ -227,7 +226,7 @@ fn motion(stage: &Stage) -> Option<&Table> {
     }
 }
 
-/// The arms that the plan was lowered from; the runs of an arm of a suite are one arm again.
+/// The arms that the plan was lowered from; the runs of a suite's arm become one arm again.
 fn arms(file: &PlanFile) -> Result<Vec<Arm>, PlanError> {
     let by_key: BTreeMap<&Fingerprint, &Stage> =
         file.stages.iter().map(|stage| (&stage.fingerprint, stage)).collect();
@@ -260,13 +259,13 @@ fn arms(file: &PlanFile) -> Result<Vec<Arm>, PlanError> {
     groups.map(arm).collect()
 }
 
-/// The source of the plan's report, when it has one.
+/// The source of the plan's report, if it has one.
 fn report(file: &PlanFile) -> Result<Option<ReportSource>, PlanError> {
     let Some(stage) = file.stages.iter().find(|stage| stage.kind == StageKind::Report) else {
         return Ok(None);
     };
     let templates = stage.recipe.content.get("templates").and_then(serde_json::Value::as_str);
-    let unknown = || contradiction("the report".into(), "it does not say its templates".into());
+    let unknown = || contradiction("the report".into(), "its templates are missing".into());
     let suite = file.suite.as_ref().map(|record| {
         let mut fields = (*stage.fields).clone();
         fields.remove("arms");
@@ -288,7 +287,7 @@ fn report(file: &PlanFile) -> Result<Option<ReportSource>, PlanError> {
     Ok(Some(ReportSource { name, templates, suite, baselines }))
 }
 
-/// The first place at which a file is not what its arms make.
+/// The first difference between a file and the plan that its arms give.
 fn difference(file: &PlanFile, derived: &Plan) -> Option<(String, String)> {
     let pairs = || file.stages.iter().zip(derived.stages());
     for (found, made) in pairs() {
@@ -314,7 +313,7 @@ fn stage_difference(found: &Stage, made: &Stage) -> Option<String> {
     match () {
         () if found.kind != made.kind => differs("kind and place"),
         () if found.fields != made.fields => {
-            Some(format!("`{}` is another value there than in its arm", field(&found.fields, &made.fields)))
+            Some(format!("`{}` has another value there than in its arm", field(&found.fields, &made.fields)))
         }
         () if found.recipe.fields != made.recipe.fields => {
             Some("the fields of its recipe are not those that it shows".into())
@@ -338,7 +337,7 @@ fn arm_difference(found: &ArmRecord, made: &ArmRecord) -> Option<String> {
         () if found.name != made.name => Some(format!("it is called `{}` in one place", found.name)),
         () if found.fields != made.fields => {
             let differs = field(&found.fields.table(), &made.fields.table());
-            Some(format!("`{differs}` is another value there than in its first run"))
+            Some(format!("`{differs}` has another value there than in its first run"))
         }
         () if found.stages != made.stages => differs("stages"),
         () if found.run != made.run => differs("run's id, points and seed"),
@@ -365,7 +364,8 @@ mod tests {
     use super::*;
     use crate::plan::sections::Sections;
 
-    /// The runs of an arm differ in the learning seed: a plan of a thousand of them holds the rest once.
+    /// The runs of an arm differ only in the learning seed: a plan of a thousand runs stores everything else
+    /// once.
     #[test]
     fn what_runs_have_in_common_is_held_once_when_a_plan_is_read() {
         let section =

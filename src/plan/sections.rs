@@ -1,5 +1,5 @@
-//! The decoded fields of an arm, section by section: the runs of a suite share all of them but the one with
-//! the learning seed.
+//! The decoded fields of an arm by section: the runs of a suite share all sections but the one with the
+//! learning seed.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use crate::spec::{Table, Value};
 /// The section that holds the learning seed.
 const SEEDED: &str = "learn";
 
-/// The fields of an arm. It is written, read and compared like its table.
+/// The fields of an arm. Serialized and compared like its table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Sections(BTreeMap<String, Shared<Value>>);
@@ -24,7 +24,7 @@ impl From<&Table> for Sections {
 }
 
 impl Sections {
-    /// The same under a learning seed; everything else is shared with this one.
+    /// The same fields with another learning seed; everything else is shared.
     pub fn seeded(&self, seed: u64) -> Self {
         let mut sections = self.clone();
         let own = suite::seeded(&self.only(&[SEEDED]), seed);
@@ -41,12 +41,12 @@ impl Sections {
         }
     }
 
-    /// A section, or a value that stands in none.
+    /// A section, or a value outside any section.
     pub fn get(&self, key: &str) -> Option<&Value> {
         self.0.get(key).map(|value| &**value)
     }
 
-    /// These sections alone, as far as there are any.
+    /// These sections alone, as far as they exist.
     pub fn only(&self, keys: &[&str]) -> Table {
         keys.iter().filter_map(|key| Some(((*key).to_owned(), self.get(key)?.clone()))).collect()
     }

@@ -1,4 +1,4 @@
-//! Which stages of a plan a run may work on: `--only`, `--from`, `--until`.
+//! Selection of the stages that a run may execute: `--only`, `--from`, `--until`.
 
 use std::collections::BTreeSet;
 
@@ -12,19 +12,19 @@ use super::graph::Plan;
 pub struct Selection {
     /// These stages.
     pub only: Vec<String>,
-    /// These stages and all that follows from them.
+    /// These stages and all that depend on them.
     pub from: Vec<String>,
-    /// These stages and all that they need.
+    /// These stages and all that they depend on.
     pub until: Vec<String>,
 }
 
-/// A word that names no stage.
+/// A word that matches no stage.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 #[error("no stage is called `{word}`; the stages are {}", known.join(", "))]
 pub struct UnknownStage {
     /// The word.
     pub word: String,
-    /// What would have been understood.
+    /// The valid words.
     pub known: Vec<String>,
 }
 

@@ -1,11 +1,11 @@
-//! Plain data that many stages or runs have in common: cloning shares it, changing it makes a copy.
+//! Plain data that many stages or runs have in common: clones share it, and a change makes a copy.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// A shared value. It is written and compared like the value itself.
+/// A shared value. Serialized and compared like the value itself.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shared<T>(Arc<T>);
 
@@ -22,14 +22,14 @@ impl<T> From<Arc<T>> for Shared<T> {
 }
 
 impl<T: PartialEq> Shared<T> {
-    /// Shares another value if it is equal.
+    /// Shares the other value if it is equal.
     pub fn share(&mut self, other: &Self) {
         if self == other {
             self.0 = other.0.clone();
         }
     }
 
-    /// Whether both are one value, held once.
+    /// Whether both are the same allocation.
     pub fn is_one_with(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }

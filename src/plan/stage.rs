@@ -1,4 +1,4 @@
-//! The stage kinds: what each declares to read of the spec, what it takes in and what it makes.
+//! The stage kinds: the spec fields, inputs and artefact of each.
 //!
 //! A stage reads only the fields declared here, and its fingerprint covers exactly those.
 
@@ -27,9 +27,9 @@ pub enum StageKind {
     Pretrain,
     /// Reinforcement learning.
     Learner,
-    /// Reinforcement learning that goes on from a policy in a changed world.
+    /// Reinforcement learning that continues from a policy in a changed environment.
     FineTune,
-    /// Evaluation of a policy in the engine that it was trained in.
+    /// Evaluation of a policy in its training engine.
     Evaluate,
     /// The policy as an artefact with its contract.
     Export,
@@ -39,19 +39,19 @@ pub enum StageKind {
     Report,
 }
 
-/// How many threads a stage can use.
+/// Number of threads that a stage can use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Threads {
     /// One.
     One,
-    /// As many as there are.
+    /// All available ones.
     Max,
 }
 
-/// What a stage takes from another stage of its arm.
+/// An input that a stage takes from another stage of its arm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Input {
-    /// The role: the name under which the work finds the artefact.
+    /// The role: the consumer's name for the artefact.
     pub role: &'static str,
     /// The kind of the producer.
     pub producer: StageKind,
@@ -59,22 +59,22 @@ pub struct Input {
     pub optional: bool,
 }
 
-/// The static facts of a stage kind.
+/// Constant properties of a stage kind.
 #[derive(Clone, Copy, Debug)]
 pub struct Facts {
-    /// Its name, also the folder in the store.
+    /// Its name, also its folder in the store.
     pub name: &'static str,
     /// The spec fields it declares, as dotted paths. `evaluate` and `deploy` stand for the one table
     /// `evaluate.NAME` or `deploy.NAME` that the stage was made from; NAME itself is not read.
     pub fields: &'static [&'static str],
-    /// What it takes in. A report takes in every other stage.
+    /// Its inputs. A report takes all other stages as inputs.
     pub inputs: &'static [Input],
-    /// Raised when the code gives another result for the same input; where only specs with one kind are
-    /// concerned, that kind has a revision instead ([`super::revision`]).
+    /// Raised when the code gives another result for the same input; if only specs with one kind are
+    /// affected, that kind gets a revision instead ([`super::revision`]).
     pub epoch: u32,
     /// How many threads it can use.
     pub threads: Threads,
-    /// What it makes, for labels of edges.
+    /// Its artefact, for labels of edges.
     pub artefact: &'static str,
 }
 
@@ -86,8 +86,8 @@ const fn takes(role: &'static str, producer: StageKind) -> Input {
     Input { role, producer, optional: true }
 }
 
-/// What stages that run episodes of a policy take in. Which of an arm's trainings made the world and the
-/// policy is [`super::draft`]'s to say.
+/// Inputs of stages that run episodes of a policy. [`super::draft`] decides which of an arm's trainings
+/// provides the environment and the policy.
 const POLICY_INPUTS: &[Input] = &[
     needs("env", StageKind::Env),
     needs("controller", StageKind::Controller),
@@ -239,7 +239,7 @@ impl StageKind {
         Self::Report,
     ];
 
-    /// The name, also the folder in the store.
+    /// Its name, also its folder in the store.
     pub fn name(self) -> &'static str {
         self.facts().name
     }
@@ -262,8 +262,8 @@ impl StageKind {
     }
 }
 
-/// The versions that numbers depend on, beside the code's own epoch. An engine counts where it is
-/// chosen; it reaches later stages through their inputs.
+/// The versions that numbers depend on, in addition to the code's epoch. An engine counts where it is chosen;
+/// later stages depend on it through their inputs.
 pub fn numeric_identity(kind: StageKind, fields: &Table) -> Vec<String> {
     let fields = Section::new(fields);
     let library = match kind {

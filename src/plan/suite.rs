@@ -1,5 +1,4 @@
-//! The runs of a suite: an arm with a learning seed each, under an id that is the hash of what the run is
-//! made of.
+//! The runs of a suite: one arm and learning seed each, with an id that is the hash of the run's content.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +8,7 @@ use crate::spec::claim::Claim;
 use crate::spec::value::canonical_table;
 use crate::spec::{Table, Value};
 
-/// A suite, as its plan and its report know it.
+/// A suite in its plan and its report.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SuiteRecord {
     /// Its name.
@@ -20,9 +19,9 @@ pub struct SuiteRecord {
     pub arms: usize,
     /// The learning seeds, in order; empty when each arm has its spec's own.
     pub seeds: Vec<u64>,
-    /// What it is expected to show.
+    /// Its claims.
     pub claims: Vec<Claim>,
-    /// Whether a claim that fails makes the run end with exit code 5.
+    /// Whether a failed claim ends the run with exit code 5.
     pub claims_count: bool,
 }
 
@@ -35,11 +34,11 @@ pub struct AxisRecord {
     pub points: Vec<String>,
 }
 
-/// Where a run stands in its suite.
+/// Position of a run in its suite.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RunRecord {
-    /// The run's id: twelve digits of the hash of its resolved content, whatever the suite and its arms are
-    /// called.
+    /// The run's id: twelve digits of the hash of its resolved content, independent of the names of the suite
+    /// and its arms.
     pub id: String,
     /// The arm: `control=torque,stiffness=100 %`.
     pub arm: String,
@@ -61,8 +60,8 @@ pub fn records(arm: &Arm, runs: &Runs) -> Vec<RunRecord> {
     runs.seeds.iter().map(record).collect()
 }
 
-/// What is common to the runs of an arm, as a hash: its values but the learning seed, and the files that it
-/// names. How it is called and reported does not matter.
+/// Hash of what the runs of an arm have in common: its values without the learning seed, and the files that
+/// it names. Names and report settings are left out.
 fn content(arm: &Arm) -> String {
     let mut fields: Table = arm.fields.clone();
     ["name", "summary", "report"].iter().for_each(|key| drop(fields.remove(*key)));
@@ -78,7 +77,7 @@ fn content(arm: &Arm) -> String {
     hasher.finalize().to_hex().to_string()
 }
 
-/// The values of an arm under a learning seed.
+/// The values of an arm with a learning seed.
 pub fn seeded(fields: &Table, seed: u64) -> Table {
     let mut fields = fields.clone();
     if let Some(Value::Table(learn)) = fields.get_mut("learn") {

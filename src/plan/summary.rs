@@ -1,5 +1,5 @@
-//! The plan of a suite in few lines, however many runs it has: stages by name, runs by point, and the same as
-//! a graph.
+//! A short summary of a suite's plan, however many runs it has: stages by name, runs by point, and the same
+//! as a graph.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -11,7 +11,7 @@ use super::why::State;
 use crate::escape::graph;
 use crate::escape::terminal::one_line;
 
-/// How many stages there are, by state.
+/// Numbers of stages by state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Tally {
     cached: usize,
@@ -36,7 +36,7 @@ impl Tally {
         format!("{:>6}  {:>6}  {:>7}  {:>7}", self.all(), self.cached, self.changed, self.missing)
     }
 
-    /// The state of all, when they are in one.
+    /// The state of all, if it is the same.
     fn common(self) -> Option<State> {
         match self {
             Self { changed: 0, missing: 0, .. } => Some(State::Cached),
@@ -92,7 +92,7 @@ fn head(plan: &Plan, suite: &SuiteRecord) -> String {
     let (arms, seeds, runs) = (suite.arms, suite.seeds.len().max(1), plan.arms.len());
     let plural =
         |count: usize, word: &str| if count == 1 { format!("1 {word}") } else { format!("{count} {word}s") };
-    // Where arms leave seeds out, they have at most so many.
+    // If arms leave out seeds, this is the largest number.
     let most = if runs == arms * seeds { "x" } else { "x up to" };
     let product =
         format!("{} {most} {} = {}", plural(arms, "arm"), plural(seeds, "seed"), plural(runs, "run"));
@@ -118,7 +118,7 @@ fn some(names: &[String]) -> String {
     }
 }
 
-/// By how many runs a stage of a group is used.
+/// The number of runs that use a stage of a group.
 fn used(group: &Group<'_>) -> String {
     let counts: BTreeSet<usize> = group.stages.iter().map(|stage| stage.users.len()).collect();
     let runs = |count: usize| if count == 1 { "1 run".to_owned() } else { format!("{count} runs") };
@@ -130,7 +130,7 @@ fn used(group: &Group<'_>) -> String {
     }
 }
 
-/// The stages that the runs of each point need, those that other points share among them.
+/// The stages that the runs of each point need, including those that other points share.
 fn by_point(plan: &Plan, suite: &SuiteRecord, statuses: &Statuses) -> String {
     let mut out = String::new();
     let point_width = |axis: &super::AxisRecord| {
@@ -165,7 +165,7 @@ fn by_point(plan: &Plan, suite: &SuiteRecord, statuses: &Statuses) -> String {
     out
 }
 
-/// What flows between the groups: producer, consumer and artefact, each once.
+/// The artefacts between the groups: producer, consumer and artefact, each once.
 fn edges(plan: &Plan) -> BTreeSet<(String, String, String)> {
     let of_stage = |consumer: &Stage| {
         let consumer_name = consumer.name().to_owned();
@@ -193,7 +193,7 @@ fn label(group: &Group<'_>) -> (String, String) {
     (name, states)
 }
 
-/// The graph of a suite in the language of Graphviz, stages of one name as one node.
+/// The graph of a suite in Graphviz' dot language, with stages of the same name as one node.
 pub fn dot(plan: &Plan, statuses: &Statuses) -> String {
     let mut out = String::from(
         "digraph suite {\n  rankdir=LR;\n  node [shape=box, style=rounded, fontname=\"sans-serif\"];\n",
@@ -210,7 +210,7 @@ pub fn dot(plan: &Plan, statuses: &Statuses) -> String {
     out + "}\n"
 }
 
-/// The graph of a suite in the language of Mermaid, stages of one name as one node.
+/// The graph of a suite in Mermaid's language, with stages of the same name as one node.
 pub fn mermaid(plan: &Plan, statuses: &Statuses) -> String {
     let id = |name: &str| name.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
     let mut out = String::from("flowchart LR\n");

@@ -1,5 +1,5 @@
-//! Why a stage would run: its recipe against that of its nearest earlier result, followed upstream to
-//! the fields, files and versions that changed.
+//! Why a stage would run: compares its recipe with that of its nearest earlier result and follows the
+//! differences upstream to the fields, files and versions that changed.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,32 +13,33 @@ use crate::spec::{Sampler, Table, Value};
 /// Whether a result is in the store.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Cached {
-    /// It is there.
+    /// It is in the store.
     Yes,
-    /// It is not.
+    /// It is not in the store.
     No,
-    /// It is there and cannot be used, for this reason.
+    /// It is in the store but cannot be used, for this reason.
     Damaged(String),
 }
 
 /// An earlier result to compare with.
 #[derive(Clone, Debug)]
 pub struct Previous {
-    /// The stage as it was.
+    /// The earlier stage.
     pub stage: Stage,
-    /// Whether it was made under the same name; otherwise it is merely the most similar of its kind.
+    /// Whether it had the same name; otherwise it is the most similar one of its kind.
     pub named: bool,
 }
 
-/// What is known of earlier runs.
+/// Access to earlier runs.
 pub trait History {
-    /// Whether the result of a stage is there.
+    /// Whether the result of a stage is in the store.
     fn cached(&self, kind: StageKind, fingerprint: &Fingerprint) -> Cached;
     /// The stage that made a result.
     fn entry(&self, kind: StageKind, fingerprint: &Fingerprint) -> Option<Stage>;
-    /// The latest result of another fingerprint that was made under a name of this stage.
+    /// The latest result with another fingerprint that had one of this stage's names.
     fn earlier(&self, stage: &Stage) -> Option<Stage>;
-    /// The nearest earlier result of a stage of another fingerprint: under its own name, or the most similar.
+    /// The nearest earlier result of a stage with another fingerprint: one with its name, or the most
+    /// similar.
     fn previous(&self, stage: &Stage) -> Option<Previous>;
 }
 
@@ -48,9 +49,9 @@ pub trait History {
 pub enum State {
     /// Its result is in the store.
     Cached,
-    /// It has never been made.
+    /// No earlier result exists.
     Missing,
-    /// It was made from something else.
+    /// The earlier result has other inputs.
     Changed,
 }
 
@@ -65,20 +66,20 @@ impl State {
     }
 }
 
-/// One thing that is not as it was.
+/// One difference from the earlier result.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Change {
     /// A field of the spec, a place in the robot or motion file, `code` or `library`.
     pub field: String,
-    /// The earlier value as its author wrote it; absent when there was none.
+    /// The earlier value as its author wrote it; missing if there was none.
     pub from: Option<String>,
-    /// The value now; absent when there is none.
+    /// The current value; missing if it was removed.
     pub to: Option<String>,
-    /// Where the earlier value came from.
+    /// The origin of the earlier value.
     pub from_origin: Option<String>,
-    /// Where the value comes from now.
+    /// The origin of the current value.
     pub to_origin: Option<String>,
-    /// The inputs through which the change arrives, nearest first; empty for the stage's own fields.
+    /// The inputs through which the change propagates, nearest first; empty for the stage's own fields.
     pub through: Vec<String>,
 }
 
@@ -89,7 +90,7 @@ pub struct Status {
     pub state: State,
     /// What changed since the earlier result.
     pub changes: Vec<Change>,
-    /// What else there is to say: why an artefact that is there cannot be used.
+    /// Additional information: why an existing artefact cannot be used.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }
@@ -120,7 +121,7 @@ pub fn status(plan: &Plan, stage: &Stage, history: &dyn History) -> Status {
     }
 }
 
-/// What differs between a stage and an earlier one of its kind, each cause once.
+/// The differences between a stage and an earlier one of its kind, each cause once.
 pub fn changes(plan: &Plan, now: &Stage, before: &Stage, history: &dyn History) -> Vec<Change> {
     let mut all = Vec::new();
     collect(plan, now, before, history, &mut Vec::new(), &mut all);
@@ -171,7 +172,7 @@ fn collect(
     }
 }
 
-/// Differences of fields, file contents, code and libraries; not of inputs.
+/// Differences of fields, file contents, code and libraries, without inputs.
 fn own_changes(plan: &Plan, now: &Stage, before: &Stage) -> Vec<Change> {
     let (new, old) = (leaves(&now.fields), leaves(&before.fields));
     let mut changes = Vec::new();
@@ -223,7 +224,7 @@ fn recipe_changes(now: &Recipe, before: &Recipe) -> Vec<Change> {
     changes
 }
 
-/// How many leaves of two recipes differ: the distance by which the nearest earlier result is chosen.
+/// Number of differing leaves of two recipes: the distance for choosing the nearest earlier result.
 pub fn distance(a: &Recipe, b: &Recipe) -> usize {
     let flat = |recipe: &Recipe| {
         let mut leaves = BTreeMap::new();
@@ -238,7 +239,7 @@ pub fn distance(a: &Recipe, b: &Recipe) -> usize {
     keys(&a, &b).into_iter().filter(|path| a.get(path) != b.get(path)).count()
 }
 
-/// The origin of a path: its own, or that of the nearest table above it.
+/// The origin of a path: its own, or that of the nearest table above.
 fn origin(origins: &BTreeMap<String, String>, path: &str) -> Option<String> {
     let mut place = path;
     loop {
@@ -253,7 +254,7 @@ fn keys<A, B>(a: &BTreeMap<String, A>, b: &BTreeMap<String, B>) -> BTreeSet<Stri
     a.keys().chain(b.keys()).cloned().collect()
 }
 
-/// The values of a table that are not tables, by dotted path.
+/// The values of a table except tables, by dotted path.
 fn leaves(table: &Table) -> BTreeMap<String, &Value> {
     fn walk<'a>(table: &'a Table, path: &str, found: &mut BTreeMap<String, &'a Value>) {
         for (key, value) in table {

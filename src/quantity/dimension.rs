@@ -2,8 +2,8 @@
 
 /// Exponents over metre, kilogram, second, ampere and radian.
 ///
-/// The radian is a base unit here, although it is dimensionless in SI: an angular velocity in rad/s
-/// and a rate in Hz are different things, and mixing them up is the mistake users make.
+/// The radian is a base unit here, although it is dimensionless in SI: an angular velocity in rad/s and a
+/// rate in Hz are different quantities that users often confuse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Dimension {
     /// Exponent of the metre.
@@ -66,7 +66,7 @@ impl Dimension {
     pub const PER_TORQUE: Self = Self::new(-2, -1, 2, 0, 0);
 }
 
-/// Dimensions with a name of their own: what a user calls them and the unit to write.
+/// Dimensions with a name: the user's term and the unit to write.
 const NAMED: &[(Dimension, &str, &str)] = &[
     (Dimension::NONE, "a pure number", ""),
     (Dimension::LENGTH, "a length", "m"),
@@ -102,8 +102,8 @@ const NAMED: &[(Dimension, &str, &str)] = &[
 ];
 
 impl Dimension {
-    /// What a user calls it, with an article: `an angle`, `an angular velocity`. Dimensions without a
-    /// name are described by their unit: `a quantity in kg*m`.
+    /// The user's term for it, with an article: `an angle`, `an angular velocity`. Dimensions without a name
+    /// are described by their unit: `a quantity in kg*m`.
     pub fn name(self) -> String {
         match NAMED.iter().find(|(dimension, ..)| *dimension == self) {
             Some((_, name, _)) => (*name).to_owned(),
@@ -139,7 +139,7 @@ impl Dimension {
         above + &below
     }
 
-    /// The product with `other` to an integer power; `None` when an exponent leaves its range.
+    /// The product with `other` to an integer power; `None` if an exponent overflows.
     pub fn times(self, other: Self, power: i8) -> Option<Self> {
         let sum = |a: i8, b: i8| a.checked_add(b.checked_mul(power)?);
         Some(Self {

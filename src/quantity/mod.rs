@@ -1,7 +1,7 @@
 //! Physical quantities of the spec language: dimensions, units, parsing and printing.
 //!
-//! Inside the program every number is SI and without a unit in its name; units live here, at the
-//! language border. Knows nothing of TOML.
+//! Inside the program every number is SI and its name has no unit; units occur only in specs and messages.
+//! Independent of TOML.
 
 pub mod dimension;
 pub mod parse;
@@ -10,17 +10,18 @@ pub mod unit;
 pub use dimension::Dimension;
 pub use parse::{QuantityError, count, counted, quantity, quantity_of};
 
-/// Most characters of a number that is written out.
+/// Longest decimal form of a number, in characters.
 const LONGEST: usize = 20;
 
-/// A number that reading gives back: `0.004`, and `1e300` where writing it out would take hundreds of digits.
+/// A number that parses to the same value: `0.004`, or `1e300` if the decimal form would have hundreds of
+/// digits.
 pub fn number(value: f64) -> String {
     let text = value.to_string();
     if text.len() <= LONGEST { text } else { format!("{value:e}") }
 }
 
-/// A value as its author wrote it, short enough for a message: a number of many digits is written as
-/// [`number`] does, and of any other text the end is left out.
+/// A value as its author wrote it, shortened for a message: a number with many digits is printed by
+/// [`number`], any other text is truncated.
 pub fn written(text: &str) -> String {
     match text.parse::<f64>() {
         _ if text.len() <= LONGEST => text.to_owned(),
@@ -30,7 +31,7 @@ pub fn written(text: &str) -> String {
     }
 }
 
-/// A number in SI units as the language writes it: `0.004 s`. Reading it gives the same number.
+/// A number in SI units as the language writes it: `0.004 s`. It parses to the same number.
 pub fn print(si: f64, dimension: Dimension) -> String {
     let (number, unit) = (number(si), dimension.unit());
     if unit.is_empty() { number } else { format!("{number} {unit}") }

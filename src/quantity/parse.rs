@@ -1,6 +1,6 @@
 //! Text to a number in SI units: `"4 /rad^2"`, `"0.01 /N/m"`, `"20 s^2/m^2"`, `"80 M"`.
 //!
-//! Errors carry byte ranges of the text; the caller places them in a file.
+//! Errors have byte ranges of the text; the caller adds their position in the file.
 
 use std::ops::Range;
 
@@ -24,41 +24,42 @@ pub enum QuantityError {
         /// The text.
         text: String,
     },
-    /// There is a number and no unit (E0201).
+    /// The unit is missing (E0201).
     #[error("the unit is missing")]
     UnitMissing {
-        /// Where the number stands.
+        /// Range of the number.
         number: Range<usize>,
     },
-    /// A word that is no unit, or units that are not joined as the grammar asks (E0202).
+    /// An unknown unit, or units that are combined wrongly (E0202).
     #[error("unknown unit `{found}`")]
     UnknownUnit {
-        /// Where it stands.
+        /// Range of the word.
         range: Range<usize>,
         /// The word.
         found: String,
-        /// What was probably meant, to be put in its place.
+        /// The probably intended unit, as its replacement.
         suggestion: Option<String>,
     },
-    /// The unit measures something else (E0203).
+    /// The unit has another dimension (E0203).
     #[error("expected {}, found {}", expected.name(), found.name())]
     Mismatch {
-        /// Where the unit stands.
+        /// Range of the unit.
         range: Range<usize>,
-        /// What it measures.
+        /// Its dimension.
         found: Dimension,
-        /// What should be measured.
+        /// The required dimension.
         expected: Dimension,
     },
-    /// Infinite, not a number, or too large (E0205).
+    /// Infinite, NaN, or too large (E0205).
     #[error("the number is not finite")]
     NotFinite {
-        /// Where the number stands.
+        /// Range of the number.
         number: Range<usize>,
     },
 }
 
-/// Parses a quantity of any dimension. A number alone is an error, since strings are written for units.
+/// Parses a quantity of any dimension. A number without a unit is an error, because quantities are written as
+/// strings only for their unit.
 pub fn quantity(text: &str) -> Result<Parsed, QuantityError> {
     let number = number_range(text)?;
     let rest = number.end + leading_blanks(&text[number.end..]);
@@ -77,7 +78,7 @@ pub fn quantity(text: &str) -> Result<Parsed, QuantityError> {
     }
 }
 
-/// Parses a quantity of this dimension and returns it in SI units. A unit of another dimension is not
+/// Parses a quantity of this dimension and returns it in SI units. Units of other dimensions are not
 /// suggested.
 pub fn quantity_of(text: &str, expected: Dimension) -> Result<f64, QuantityError> {
     let parsed = quantity(text).map_err(|error| match error {
@@ -97,21 +98,21 @@ pub fn quantity_of(text: &str, expected: Dimension) -> Result<f64, QuantityError
     Err(QuantityError::Mismatch { range: unit_range(text), found: parsed.dimension, expected })
 }
 
-/// What is wrong with a count.
+/// Errors of a count.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CountError {
-    /// There is no number, or one with a fraction (E0103).
+    /// The number is missing or has a fraction (E0103).
     #[error("it is not a whole number")]
     NotWhole,
-    /// It is negative or larger than what is counted (E0204).
-    #[error("{0} cannot be counted to")]
+    /// It is negative or too large (E0204).
+    #[error("{0} is not a valid count")]
     OutOfRange(f64),
-    /// A word that is no count suffix (E0202).
+    /// An unknown count suffix (E0202).
     #[error("unknown count suffix `{0}`")]
     Suffix(String),
 }
 
-/// The largest number up to which a text can count: beyond it not every whole number is an `f64`.
+/// Largest count: above it, not every whole number is an `f64`.
 pub const MOST_COUNTED: u64 = 1 << 53;
 
 /// The power of ten of a count suffix.
@@ -151,7 +152,7 @@ pub fn looks_like_quantity(text: &str) -> bool {
     text.trim_start().starts_with(|first: char| first.is_ascii_digit() || matches!(first, '+' | '-' | '.'))
 }
 
-/// Where the unit of a quantity stands in its text.
+/// Range of a quantity's unit in its text.
 fn unit_range(text: &str) -> Range<usize> {
     let start = number_range(text).map_or(0, |number| number.end);
     start + leading_blanks(&text[start..])..text.trim_end().len()
@@ -206,7 +207,7 @@ fn scaled(number: &str, exponent: i32) -> Option<f64> {
     format!("{mantissa}e{}", written.checked_add(exponent)?).parse().ok()
 }
 
-/// Parses the units; `start` is where they stand in the whole text.
+/// Parses the units, which begin at `start` of the whole text.
 fn units(text: &str, start: usize) -> Result<(Dimension, i32, f64), QuantityError> {
     let unknown = |range: Range<usize>, suggestion: Option<String>| QuantityError::UnknownUnit {
         found: text[range.clone()].to_owned(),
@@ -252,7 +253,7 @@ fn units(text: &str, start: usize) -> Result<(Dimension, i32, f64), QuantityErro
     }
 }
 
-/// What may stand in place of an unknown word: `N*m` for `N m`, `N/m` for it behind a `/`, `s` for `sec`.
+/// A replacement for an unknown word: `N*m` for `N m`, `N/m` after a `/`, `s` for `sec`.
 fn suggestion(symbol: &str, word: &str, sign: i8) -> Option<String> {
     let parts: Vec<&str> = word.split_whitespace().collect();
     let known = |part: &&str| unit::find(part.split('^').next().unwrap_or(part)).is_some();

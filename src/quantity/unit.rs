@@ -1,16 +1,16 @@
 //! The closed list of units and SI prefixes.
 //!
-//! A unit is a dimension and a scale to SI. The scale is kept as a power of ten times a factor, so
-//! that `4 ms` and `0.004 s` become the same number to the last bit.
+//! A unit is a dimension and a scale to SI. The scale is stored as a power of ten times a factor, so that `4
+//! ms` and `0.004 s` are exactly the same number.
 
 use super::Dimension;
 
 /// A unit of the language.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
-    /// As it is written.
+    /// Its symbol.
     pub symbol: &'static str,
-    /// What it measures.
+    /// Its dimension.
     pub dimension: Dimension,
     /// Power of ten of its size in SI units.
     pub exponent: i32,
@@ -22,7 +22,7 @@ pub struct Unit {
     pub name: &'static str,
 }
 
-/// A unit without a prefix and with a factor of its own.
+/// A unit with its own factor and without prefixes.
 const fn plain(symbol: &'static str, dimension: Dimension, factor: f64, name: &'static str) -> Unit {
     Unit { symbol, dimension, exponent: 0, factor, prefixed: false, name }
 }
@@ -56,7 +56,7 @@ pub const UNITS: &[Unit] = &[
 pub const PREFIXES: &[(&str, i32)] =
     &[("n", -9), ("u", -6), ("µ", -6), ("m", -3), ("c", -2), ("k", 3), ("M", 6), ("G", 9)];
 
-/// A unit as written, prefix included.
+/// The unit with this symbol, including a prefix.
 pub fn find(symbol: &str) -> Option<Unit> {
     let exact = |symbol: &str| UNITS.iter().find(|unit| unit.symbol == symbol).copied();
     exact(symbol).or_else(|| {
@@ -67,7 +67,7 @@ pub fn find(symbol: &str) -> Option<Unit> {
     })
 }
 
-/// Words that users write for units, and the unit.
+/// Common wrong spellings of units, with the correct one.
 const ALIASES: &[(&str, &str)] = &[
     ("sec", "s"),
     ("second", "s"),
@@ -95,7 +95,7 @@ const ALIASES: &[(&str, &str)] = &[
     ("Ns", "N*s"),
 ];
 
-/// The unit that was probably meant.
+/// The probably intended unit.
 pub fn suggest(symbol: &str) -> Option<String> {
     // The Greek letter looks like the micro sign.
     if let Some(micro) =

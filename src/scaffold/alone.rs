@@ -1,15 +1,16 @@
-//! Several specs as one text: what inheritance does to values, done to documents, so that comments stay.
+//! Merges several specs into one text: inheritance on documents instead of values, so that comments are
+//! preserved.
 
 use toml_edit::{DocumentMut, Item, Table, TableLike};
 
 use crate::spec::section::HEADER;
 
-/// The sections and profiles of parents and of the spec's own lines, merged; the later win. Keys of files are
-/// left out, and terms that are switched off are gone.
+/// The merged sections and profiles of parents and of the spec's own lines; later ones win. Keys that name
+/// files are left out, and disabled terms are removed.
 pub fn merged(parents: &[&str], own: &str) -> String {
     let mut whole = DocumentMut::new();
     for text in parents.iter().copied().chain([own]) {
-        let mut part: DocumentMut = text.parse().expect("what comes with the program is TOML");
+        let mut part: DocumentMut = text.parse().expect("the shipped parents are TOML");
         for key in HEADER.iter().filter(|key| !matches!(**key, "profile" | "allow")) {
             part.remove(key);
         }
@@ -20,8 +21,8 @@ pub fn merged(parents: &[&str], own: &str) -> String {
     without_references(&whole.to_string())
 }
 
-/// Lays a table over another: tables merge by key, values replace, a changed kind replaces its table.
-/// Sections stand at depth 0, named terms at 1.
+/// Merges a table over another: tables merge by key, values replace, a changed kind replaces its table.
+/// Sections have depth 0, named terms 1.
 fn overlay(below: &mut dyn TableLike, above: &Table, depth: i32) {
     for (key, item) in above {
         let inside = if depth == 0 && key == "profile" { -1 } else { depth + 1 };
@@ -33,7 +34,7 @@ fn overlay(below: &mut dyn TableLike, above: &Table, depth: i32) {
                 if let Some(old) = old.as_table_like_mut() {
                     overlay(old, &new, inside);
                 }
-                // The blank before the brace would stand before a comma.
+                // The space before the brace would end up before a comma.
                 if let Some(inline) = old.as_inline_table_mut() {
                     inline.fmt();
                 }
@@ -53,7 +54,7 @@ fn overlay(below: &mut dyn TableLike, above: &Table, depth: i32) {
     }
 }
 
-/// Inserts with the key's own comments.
+/// Inserts a key with its own comments.
 fn insert(table: &mut dyn TableLike, key: toml_edit::Key, item: Item) {
     let name = key.get().to_owned();
     table.insert(&name, item);
@@ -66,7 +67,7 @@ fn both_tables(old: &Item, new: &Item) -> bool {
     old.is_table_like() && new.is_table_like()
 }
 
-/// A table however it is written.
+/// A table in any of TOML's notations.
 fn as_table(item: &Item) -> Table {
     match item {
         Item::Table(table) => table.clone(),
@@ -77,7 +78,7 @@ fn as_table(item: &Item) -> Table {
     }
 }
 
-/// Whether a table says that it is of another kind than the one below it, which for a named term is its name.
+/// Whether a table sets another kind than the one below it, whose kind is by default the term's name.
 fn changes_kind(old: &Item, new: &Item, named: Option<&str>) -> bool {
     let kind = |item: &Item| item.get("kind").and_then(Item::as_str).map(str::to_owned);
     match (kind(old).or(named.map(str::to_owned)), kind(new)) {
@@ -86,8 +87,8 @@ fn changes_kind(old: &Item, new: &Item, named: Option<&str>) -> bool {
     }
 }
 
-/// Takes out the terms that a parent switched off: there is nothing left that would be switched off. In a
-/// profile one stays that the spec has without it.
+/// Removes the terms that a parent disables: without the parent there is nothing to disable. A profile keeps
+/// those that the spec itself has.
 fn drop_switched_off(root: &mut Table) {
     let mut inherited: Vec<(String, String)> = Vec::new();
     for (name, section) in root.iter_mut().filter(|(name, _)| name != "profile") {
@@ -113,7 +114,7 @@ fn remove_switched_off(section: &mut dyn TableLike, removable: impl Fn(&str) -> 
     gone.iter().for_each(|name| drop(section.remove(name)));
 }
 
-/// Tables stand in the order of the merged document, not in that of the files they come from.
+/// Tables follow the order of the merged document, not that of their files.
 fn forget_positions(table: &mut Table) {
     table.set_position(None);
     for (_, item) in table.iter_mut() {
@@ -125,7 +126,7 @@ fn forget_positions(table: &mut Table) {
     }
 }
 
-/// Takes references such as `[A27]` and `(docs/explanation/ppo.md)` out of comments: they lead into the
+/// Removes references such as `[A27]` and `(docs/explanation/ppo.md)` from comments: they refer to the
 /// repository.
 fn without_references(text: &str) -> String {
     let clean = |line: &str| {
@@ -137,7 +138,7 @@ fn without_references(text: &str) -> String {
     text.lines().map(|line| clean(line) + "\n").collect()
 }
 
-/// A text without the parts from an opening to the next closing.
+/// A text without the parts from an opening to the next closing character.
 fn without(text: &str, opening: &str, closing: char) -> String {
     let mut kept = String::new();
     let mut rest = text;

@@ -1,5 +1,5 @@
-//! New specs for `specforge new`: children of the parents in `specs/base/`, or specs that stand alone with
-//! everything in them, and suites over a spec. The parents come with the program.
+//! New specs for `specforge new`: children of the parents in `specs/base/`, standalone specs with everything
+//! in them, and suites over a spec. The parents are included in the program.
 
 mod alone;
 mod build;
@@ -11,27 +11,28 @@ pub use parents::{actions, parent, tasks};
 use crate::format::{Order, Sort, format};
 use crate::robot;
 
-/// What a new spec shall be about.
+/// Settings of a new spec.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wish {
-    /// Its name, that of its file.
+    /// Its name, which is also the file's name.
     pub name: String,
     /// The robot.
     pub robot: String,
-    /// The task: a parent of this name.
+    /// The task: a parent with this name.
     pub task: String,
-    /// The action: a parent of this name.
+    /// The action: a parent with this name.
     pub action: String,
-    /// How a robot is built that does not come with the program.
+    /// The measures of a robot that is not shipped with the program.
     pub build: Option<Build>,
 }
 
-/// The share of the height of its pelvis at which TOCABI's episodes end.
+/// Height at which TOCABI's episodes end, as a share of its pelvis height.
 const LOWEST: f64 = 0.65;
-/// Distance of the base's origin from where a pelvis is, as a share of that height, from which on the
-/// parents' bounds do not fit.
+/// Deviation of the base's origin from the pelvis, as a share of the pelvis height, from which the parents'
+/// bounds do not fit.
 const BESIDE: f64 = 0.1;
-/// The parents' bounds on the height are those of TOCABI and Atlas, which stand 0.9 m high and more; in m.
+/// Height in m below which the parents' height bounds do not fit: those of TOCABI and Atlas, which are 0.9 m
+/// high or more.
 const SMALL: f64 = 0.85;
 
 impl Wish {
@@ -41,8 +42,8 @@ impl Wish {
             let (sinks, share) = ((1.0 - LOWEST) * build.stands, 100.0 * (1.0 - LOWEST));
             let bound = build.base - sinks;
             format!(
-                "[terminate.base_height]\nbelow = \"{bound:.2} m\" # it stands at {:.2} m and may sink by \
-                 {share:.0} % of the height of its pelvis\n\n",
+                "[terminate.base_height]\nbelow = \"{bound:.2} m\" # standing height {:.2} m, minus {share:.0} % of \
+                 the pelvis height\n\n",
                 build.base
             )
         };
@@ -56,7 +57,7 @@ impl Wish {
         format!("{}{}{bound}{desk}", self.own_action(), self.filter())
     }
 
-    /// What the spec is about, in one sentence.
+    /// A one-sentence summary.
     fn summary(&self) -> String {
         let action = match self.action.as_str() {
             "position" => "joint position targets and a PD servo",
@@ -65,13 +66,13 @@ impl Wish {
         format!("{} {}s under {action}", self.robot, self.task)
     }
 
-    /// The names of the parents, each before those that win over it.
+    /// The names of the parents; later ones win.
     pub fn family(&self) -> Vec<&str> {
         parents::family(&self.task, &self.action, &self.robot)
     }
 
-    /// The lines of `[action]` that depend on the robot: only TOCABI's file holds gains that the paper
-    /// divides by 8, and G1's motors are a third stronger for its weight and height.
+    /// The robot-dependent lines of `[action]`: only TOCABI's file has gains that the paper divides by 8, and
+    /// G1's motors are a third stronger relative to weight and height.
     fn own_action(&self) -> String {
         let explores = |std: &str, why: &str| {
             format!("[action]\nstd = \"{std}\" # of each joint's effort limit{why}\n\n")
@@ -80,12 +81,12 @@ impl Wish {
             ("torque", "g1") if self.task != "squat" => explores("5 %", ""),
             ("torque", _) => {
                 let own = self.build.and_then(|build| build.exploration(&self.task));
-                own.map(|std| explores(&std, "; the same for every robot's weight")).unwrap_or_default()
+                own.map(|std| explores(&std, "; scaled to the robot's weight")).unwrap_or_default()
             }
             ("position", robot) if robot != "tocabi" && !self.has_a_servo() => {
                 let damping = match robot {
                     "atlas" | "g1" => {
-                        "damping = \"50 %\" # what its light ankles bear at a delay of 6 ms (W0512)\n"
+                        "damping = \"50 %\" # stable for its light ankles at a delay of 6 ms (W0512)\n"
                     }
                     _ => "",
                 };
@@ -95,8 +96,7 @@ impl Wish {
         }
     }
 
-    /// The velocity filter of a robot of one's own: the paper's 4 Hz is that of a robot whose legs swing
-    /// slowly.
+    /// The velocity filter of a user's robot: the paper's 4 Hz suits a robot with slowly swinging legs.
     fn filter(&self) -> &'static str {
         match self.task.as_str() {
             "walk" | "squat" | "run" if self.build.is_some() => {
@@ -107,7 +107,7 @@ impl Wish {
         }
     }
 
-    /// How soft the labels of a robot's own are: the parents give a share of the gains in its file, and files
+    /// The stiffness of the labels: the parents give a share of the gains in the robot's file, and files
     /// differ.
     fn labels(&self) -> String {
         let Some([stiffness, damping]) = self.build.and_then(|build| build.labels(&self.task)) else {
@@ -115,28 +115,28 @@ impl Wish {
         };
         let table = |profile: &str| {
             format!(
-                "[profile.{profile}.pretrain]\nstiffness = \"{stiffness}\" # of the gains in its file; as \
-                 soft for every robot's weight\n\
+                "[profile.{profile}.pretrain]\nstiffness = \"{stiffness}\" # of the gains in its file; \
+                 scaled to the robot's weight\n\
                  damping = \"{damping}\"\n\n"
             )
         };
         ["desk", "quick"].map(table).concat()
     }
 
-    /// Whether a parent has the robot's servo.
+    /// Whether a parent sets the robot's servo.
     fn has_a_servo(&self) -> bool {
         self.family().iter().any(|name| *name == format!("{}_servo", self.robot))
     }
 
-    /// The lines of `[profile.desk.action]`: the desk learns a run with more exploration than the paper's,
-    /// and to move under position control with a soft servo.
+    /// The lines of `[profile.desk.action]`: the profile trains a run with more exploration than the paper,
+    /// and position control with a soft servo.
     fn desk_action(&self) -> String {
         let std = match self.task.as_str() {
             "run" => {
                 let own = self.build.and_then(|build| build.running_exploration());
                 let share =
                     own.unwrap_or_else(|| if self.robot == "g1" { "14 %" } else { "20 %" }.to_owned());
-                format!("std = \"{share}\" # who explores less learns to run later, and for fewer bodies\n")
+                format!("std = \"{share}\" # less exploration: runs later, less robust to other bodies\n")
             }
             _ => self.own_noise(),
         };
@@ -148,16 +148,16 @@ impl Wish {
         table("profile.quick.action", &[self.own_servo(), self.own_noise()])
     }
 
-    /// The servo with which a robot of one's own learns to move.
+    /// The servo with which a user's robot trains.
     fn own_servo(&self) -> String {
         let stiffness = self.build.filter(|_| self.moves_with_a_servo()).and_then(|build| build.servo());
         let line = |share| {
-            format!("stiffness = \"{share}\" # of the gains in its file; as soft for every robot's weight\n")
+            format!("stiffness = \"{share}\" # of the gains in its file; scaled to the robot's weight\n")
         };
         stiffness.map(line).unwrap_or_default()
     }
 
-    /// The exploration with which a robot of one's own learns to move under position control.
+    /// The exploration with which a user's robot trains under position control.
     fn own_noise(&self) -> String {
         let share =
             self.build.filter(|_| self.moves_with_a_servo()).and_then(|build| build.exploration(&self.task));
@@ -168,7 +168,7 @@ impl Wish {
         self.action == "position" && self.task != "stand"
     }
 
-    /// Walks and runs end with little exploration.
+    /// Walks and runs end with reduced exploration.
     fn last_part(&self) -> String {
         let (part, shipped) = match (self.task.as_str(), self.robot.as_str()) {
             ("walk", _) => ("quarter", "2.5 %"),
@@ -185,26 +185,26 @@ impl Wish {
     }
 }
 
-/// A table with these lines, or nothing where there are none.
+/// A table with these lines, or nothing without lines.
 fn table(name: &str, lines: &[String]) -> String {
     let lines = lines.concat();
     if lines.is_empty() { lines } else { format!("[{name}]\n{lines}\n") }
 }
 
-/// A spec that extends the parents in a folder `base`, named relative to the new file; `schema` is the
-/// schema's place.
+/// A spec that extends the parents in the folder `base`, relative to the new file; `schema` is the path of
+/// the schema.
 pub fn child(wish: &Wish, base: &str, schema: Option<&str>) -> String {
     let Wish { name, robot, .. } = wish;
     let schema = schema.map(|place| format!("#:schema {place}\n")).unwrap_or_default();
-    // The first, which all have in common, is the task's own parent.
+    // The first parent, common to all specs, is extended by the task's parent.
     let parents: Vec<String> =
         wish.family()[1..].iter().map(|name| format!("\"{base}/{name}.toml\"")).collect();
     canonical(&format!(
         "{schema}spec = 1\nname = \"{name}\"\nsummary = \"{}\"\nextends = [{}]\n\n\
          [robot]\nmodel = \"{robot}\"\n\n{}\
-         # `specforge show --origins {name}.toml` prints every value with the line that it comes from. What \
-         is written here\n\
-         # wins over the parents. `specforge run {name}.toml --profile quick` trains for minutes, without a \
+         # `specforge show --origins {name}.toml` prints every value with the line that it comes from. Values \
+         here\n\
+         # override the parents. `specforge run {name}.toml --profile quick` trains for minutes, without a \
          profile for hours.\n\
          # [learn]\n# samples = \"8 M\"\n# [reward.torque]\n# weight = 0.1\n",
         wish.summary(),
@@ -213,23 +213,22 @@ pub fn child(wish: &Wish, base: &str, schema: Option<&str>) -> String {
     ))
 }
 
-/// A spec that needs no other file.
+/// A spec that needs no other files.
 pub fn alone(wish: &Wish) -> String {
     let Wish { name, robot, .. } = wish;
     let own = format!("[robot]\nmodel = \"{robot}\"\n\n{}", wish.own());
     let parents: Vec<&str> = wish.family().into_iter().filter_map(parent).collect();
     let body = alone::merged(&parents, &own);
     canonical(&format!(
-        "# Everything that this experiment is made of. `specforge explain KEY` and `specforge explain KIND` \
-         say what a line\n\
-         # means, `specforge list` what else there is; `specforge run FILE --profile quick` trains for \
-         minutes.\n\
+        "# The complete experiment. `specforge explain KEY` and `specforge explain KIND` document its lines,\n\
+         # `specforge list` the alternatives; `specforge run FILE --profile quick` trains for minutes.\n\
          spec = 1\nname = \"{name}\"\nsummary = \"{}\"\n\n{body}",
         wish.summary()
     ))
 }
 
-/// A suite over a spec, named relative to the new file: an axis of two weights, seeds and two claims.
+/// A suite over a spec, whose path is relative to the new file: an axis with two weights, seeds and two
+/// claims.
 pub fn suite(name: &str, spec: &str, schema: Option<&str>) -> String {
     let schema = schema.map(|place| format!("#:schema {place}\n")).unwrap_or_default();
     let text = format!(
@@ -253,12 +252,12 @@ pub fn suite(name: &str, spec: &str, schema: Option<&str>) -> String {
     format(&text, Sort::Suite, &Order::of_this_edition())
 }
 
-/// A new spec as `specforge fmt` would write it.
+/// A new spec in the form of `specforge fmt`.
 fn canonical(text: &str) -> String {
     format(text, Sort::Spec, &Order::of_this_edition())
 }
 
-/// The robots that come with the program.
+/// The robots included in the program.
 pub fn robots() -> Vec<&'static str> {
     robot::names().collect()
 }

@@ -1,9 +1,9 @@
-//! The parents of `specs/base/`, as they come with the program.
+//! The parents of `specs/base/`, included in the program.
 
 /// A parent: its name and its text.
 type Parent = (&'static str, &'static str);
 
-/// What all experiments share.
+/// The common parent of all experiments.
 const BIPED: &str = include_str!("../../specs/base/biped.toml");
 
 /// The tasks.
@@ -20,9 +20,9 @@ const ACTIONS: [Parent; 2] = [
     ("torque", include_str!("../../specs/base/torque.toml")),
 ];
 
-/// What walks and squats begin with and walks and runs end with, what keeps legs apart, what every robot
-/// squats with, the servos with which they move, and what robots ask for that are not TOCABI: Atlas' soft
-/// gains, G1's light joints, and half more samples to learn to walk.
+/// Optional parents: initial and final parts of a training, self-collision terms, the squat's settings,
+/// servos for training, and robot-specific settings (Atlas: soft gains; G1: light joints and 1.5 times the
+/// samples for walking).
 const OTHERS: [Parent; 17] = [
     ("atlas", include_str!("../../specs/base/atlas.toml")),
     ("atlas_servo", include_str!("../../specs/base/atlas_servo.toml")),
@@ -64,7 +64,7 @@ pub fn parent(name: &str) -> Option<&'static str> {
     known.map(|(_, text)| text)
 }
 
-/// The names of the parents of a spec, each before those that win over it.
+/// The names of the parents of a spec; later ones win.
 pub fn family<'a>(task: &'a str, action: &'a str, robot: &'a str) -> Vec<&'a str> {
     let own: &[&str] = match (robot, task) {
         ("tocabi", "squat") => &["balance", "tocabi_squat"],
@@ -86,7 +86,7 @@ pub fn family<'a>(task: &'a str, action: &'a str, robot: &'a str) -> Vec<&'a str
         .collect()
 }
 
-/// The parents that keep legs apart.
+/// The parents that prevent self-collisions of the legs.
 fn apart(task: &str, action: &str, robot: &str) -> &'static [&'static str] {
     match (task, action, robot) {
         ("run", "position", _) => &["legs_apart"],
@@ -97,7 +97,7 @@ fn apart(task: &str, action: &str, robot: &str) -> &'static [&'static str] {
     }
 }
 
-/// The parents of the servo with which a robot learns to move.
+/// The parents that set the servo for training.
 fn servo(task: &str, action: &str, robot: &str) -> &'static [&'static str] {
     match (action, task, robot) {
         (_, "stand", _) | ("torque", ..) => &[],

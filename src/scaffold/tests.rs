@@ -1,4 +1,4 @@
-//! Every new spec is in order, and one that stands alone is the experiment that its parents describe.
+//! Every new spec is valid, and a standalone one is the experiment that its parents describe.
 
 use std::fs;
 use std::path::Path;
@@ -24,12 +24,12 @@ fn wishes() -> Vec<Wish> {
     wishes
 }
 
-/// The values of a spec that has no mistakes, as text.
+/// The values of a valid spec, as text.
 fn values(checker: &mut Checker, path: &Path, profile: Option<&str>) -> String {
     table(checker, path, profile).to_string()
 }
 
-/// The values of a spec that has no mistakes.
+/// The values of a valid spec.
 fn table(checker: &mut Checker, path: &Path, profile: Option<&str>) -> serde_json::Value {
     let options = LoadOptions {
         profile: profile.map(str::to_owned),
@@ -205,9 +205,9 @@ fn a_robot_of_ones_own_is_given_what_the_shipped_ones_have_for_their_weight() {
     assert_eq!(figures("tocabi", "walk"), ["6.6 %", "3.3 %", "4.4 %", "19 %"]);
     assert_eq!(figures("atlas", "walk"), ["7.8 %", "3.9 %", "32 %", "49 %"]);
     assert_eq!(figures("g1", "walk"), ["4.8 %", "2.4 %", "48 %", "68 %"]);
-    // The parents of squats, and those of the suite `one_recipe`, have them as they were measured, to within
-    // a fifth: they were measured at the heights of the bases' origins, which lie differently high above the
-    // hips.
+    // The parents of squats, and those of the suite `one_recipe`, agree with the measured values to within a
+    // fifth: these were measured relative to the heights of the bases' origins, which lie differently high
+    // above the hips.
     let specs = Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/base");
     let share = |text: &str| text.trim_end_matches(" %").parse::<f64>().expect("a share");
     for robot in ["tocabi", "atlas", "g1"] {
@@ -268,7 +268,7 @@ fn labels_leave_a_joint_its_own_damping() {
         "no more than a spec may have"
     );
     assert_eq!(weak.exploration("run"), Some("1000 %".to_owned()));
-    // Motors as strong as a placeholder: no exploration is none that a spec may have.
+    // Motors as strong as a placeholder: zero exploration is not allowed in a spec.
     let strong = Build { effort: Some(300.0), ..build };
     assert_eq!(strong.last_exploration("walk"), Some("0.0029 %".to_owned()));
     let stronger = Build { effort: Some(1e9), ..build };

@@ -1,9 +1,9 @@
-//! JSON Schemas of the language's files, for editors: generated from the descriptors, committed under
+//! JSON Schemas of specforge's files, for editors: generated from the descriptors, committed under
 //! `specs/schema/`.
 //!
-//! A schema accepts what `specforge check` accepts of a single file, as far as one file can tell: a child
-//! need not write what a parent may hold, so only a spec without parents must be complete. Knows nothing of
-//! specs' meaning.
+//! A schema accepts what `specforge check` accepts of a single file, as far as one file shows: a child may
+//! leave out keys that a parent sets, so only a spec without parents must be complete. Independent of the
+//! meaning of specs.
 
 mod pattern;
 mod robot;
@@ -34,7 +34,7 @@ impl Schema {
     }
 }
 
-/// The schemas of this edition.
+/// The schemas of this version.
 pub fn schemas() -> Vec<Schema> {
     let schema = |file, subject, document| Schema { file, subject, document };
     vec![
@@ -49,20 +49,20 @@ pub fn schemas() -> Vec<Schema> {
 #[derive(Clone, Debug)]
 struct Definitions {
     map: Map<String, Value>,
-    /// Which keys tables inside tables must hold.
+    /// Which keys nested tables must contain.
     keys: Keys,
 }
 
 impl Definitions {
-    /// None yet.
+    /// No definitions yet.
     fn new(keys: Keys) -> Self {
         Self { map: Map::new(), keys }
     }
 
-    /// A reference to a definition, which is made on first use.
+    /// A reference to a definition, which is created on first use.
     fn refer(&mut self, name: &str, make: impl FnOnce(&mut Self) -> Value) -> Value {
         if !self.map.contains_key(name) {
-            // A place is taken first, so that definitions stand in the order of their first use.
+            // The entry is reserved first, so that definitions are in the order of their first use.
             self.map.insert(name.to_owned(), Value::Null);
             let made = make(self);
             self.map.insert(name.to_owned(), made);

@@ -1,9 +1,9 @@
-//! Regular expressions of quantities: which texts are a number with a unit of a dimension.
+//! Regular expressions for quantities: numbers with a unit of a given dimension.
 //!
-//! A regular expression cannot count exponents, and editors show it to their user, so it must be short. These
-//! hold the spellings that people use: base units alone, and products with one derived unit that are no
-//! longer than the unit that specforge itself writes. Factors above the line stand first. Another spelling
-//! (`s/rad*N*m`) is legal in a spec and unknown here: `check` has the last word.
+//! A regular expression cannot count exponents, and editors show it to users, so it must be short. These
+//! accept the usual spellings: base units alone, and products with one derived unit that are no longer than
+//! the unit that specforge itself writes. Numerators come first. Another spelling (`s/rad*N*m`) is valid in a
+//! spec although the pattern does not match: `check` decides.
 
 use crate::quantity::Dimension;
 use crate::quantity::unit::{PREFIXES, UNITS, Unit};
@@ -32,7 +32,7 @@ pub fn count() -> String {
 /// A unit as a pattern, and its power.
 type Factor<'a> = (&'a str, i8);
 
-/// Units of one dimension that stand for each other.
+/// Interchangeable units of one dimension.
 struct Class {
     dimension: Dimension,
     pattern: String,
@@ -100,12 +100,12 @@ fn spellings(dimension: Dimension) -> Vec<String> {
             add(Some((class, power)));
         }
     }
-    // The usual spelling is short, and the reader sees it first.
+    // The usual spelling is short, and readers should see it first.
     found.sort_by_key(String::len);
     found
 }
 
-/// The powers in the unit that specforge writes, together: 3 for `N*m/rad`.
+/// The sum of the powers in the unit that specforge writes: 3 for `N*m/rad`.
 fn spelled(dimension: Dimension) -> u8 {
     let unit = dimension.unit();
     let factors = unit.split(['*', '/']).filter(|factor| !factor.is_empty());
@@ -117,7 +117,7 @@ fn shared(dimension: Dimension, base: Dimension) -> i8 {
     exponents(dimension).iter().zip(exponents(base)).map(|(power, unit)| power * unit).sum()
 }
 
-/// The products of these factors: those above the line first, each side in every order.
+/// The products of these factors: numerators first, each side in every order.
 fn orders(factors: &[Factor<'_>]) -> Vec<String> {
     let (above, below): (Vec<Factor<'_>>, Vec<Factor<'_>>) =
         factors.iter().partition(|(_, power)| *power > 0);

@@ -1,4 +1,4 @@
-//! The schemas of robot files and of motion files, which stand alone and must be complete.
+//! The schemas of robot files and of motion files, which have no parents and must be complete.
 
 use serde_json::Value;
 

@@ -10,7 +10,7 @@ use crate::kinds::reference::registries;
 use crate::kinds::vocabulary::vocabulary;
 use crate::spec::{SectionShape, Shape, Vocabulary};
 
-/// Keys that name a file of the project, and what completes them beside names of the user's own.
+/// Keys that name a file of the project, with the key whose shipped names complete them.
 const NAMES: [(&str, &str); 2] = [("robot", "model"), ("task", "motion")];
 
 /// The schema.
@@ -39,7 +39,7 @@ pub fn document() -> Value {
         ] } },
         "then": complete(&vocabulary, &mut definitions),
     });
-    let text = "An experiment, or a parent of experiments. What a parent may hold need not be written.";
+    let text = "An experiment, or a parent of experiments. Keys that a parent sets may be left out.";
     finished("specforge spec, edition 1", text, body, definitions)
 }
 
@@ -66,10 +66,10 @@ pub fn allow() -> Value {
     let properties: Map<String, Value> =
         codes.map(|page| (page.code.to_owned(), reason(page.title()))).collect();
     let schema = json!({ "type": "object", "properties": properties, "additionalProperties": false });
-    described(schema, "Warnings that are meant, each with the reason.")
+    described(schema, "Accepted warnings, each with its reason.")
 }
 
-/// The place of a section's kinds.
+/// The context of a section's kinds.
 fn place(shape: &SectionShape) -> Option<Place<'_>> {
     let (kinds, extra, switched) = match &shape.shape {
         Shape::Plain(_) => return None,
@@ -96,7 +96,7 @@ fn section(shape: &SectionShape, vocabulary: &Vocabulary, definitions: &mut Defi
     })
 }
 
-/// The same schema with the names of files that come with the program, for completion.
+/// The same schema with the names of shipped files, for completion.
 fn with_names(mut schema: Value, section: &str, vocabulary: &Vocabulary) -> Value {
     for (_, key) in NAMES.iter().filter(|(named, _)| *named == section) {
         let files = if section == "robot" { &vocabulary.robots } else { &vocabulary.motions };
@@ -108,7 +108,7 @@ fn with_names(mut schema: Value, section: &str, vocabulary: &Vocabulary) -> Valu
     schema
 }
 
-/// What a spec without parents must hold.
+/// Keys that a spec without parents must contain.
 fn complete(vocabulary: &Vocabulary, definitions: &mut Definitions) -> Value {
     let required: Vec<&str> =
         vocabulary.sections.iter().filter(|shape| shape.required).map(|shape| shape.name).collect();

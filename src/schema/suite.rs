@@ -7,14 +7,14 @@ use super::{Definitions, described, finished, spec};
 use crate::kinds::vocabulary::vocabulary;
 use crate::spec::{Param, Ty, claim};
 
-/// Keys of a suite that no spec has.
+/// Keys of a suite that specs do not have.
 const OWN: &[Param] = &[
     Param::required("suite", Ty::Text).doc("The suite's name, in place of a spec's."),
     Param::default("claims", Ty::Choice(&["report", "count"]), "\"report\"")
-        .doc("What a failed claim does: `report` says so, `count` ends the run with exit code 5."),
+        .doc("Effect of a failed claim: `report` only reports it, `count` ends the run with exit code 5."),
 ];
 
-/// Keys of a spec that a suite does not have.
+/// Keys of a spec that suites do not have.
 const FOREIGN: [&str; 2] = ["name", "abstract"];
 
 /// The schema.
@@ -51,7 +51,7 @@ fn point(sections: &Map<String, Value>, extends: Value) -> Value {
     json!({ "type": "object", "properties": properties, "additionalProperties": false })
 }
 
-/// `[sweep]`: seeds, what goes together, which combinations are taken, and the axes.
+/// `[sweep]`: seeds, zipped axes, the selected combinations, and the axes.
 fn sweep(point: Value) -> Value {
     let names = json!({ "type": "array", "items": { "type": "string" }, "minItems": 1 });
     let patterns = json!({ "type": "array", "items": { "type": "object", "minProperties": 1 } });
@@ -67,9 +67,9 @@ fn sweep(point: Value) -> Value {
     let zip = json!({ "type": "array", "items": { "anyOf": [{ "type": "string" }, names] } });
     let properties = json!({
         "seeds": seeds(),
-        "zip": described(zip, "Axes whose points go together, one by one."),
-        "include": described(patterns.clone(), "Only combinations that one of these matches are taken."),
-        "exclude": described(patterns, "Combinations that one of these matches are left out."),
+        "zip": described(zip, "Axes that advance together, point by point."),
+        "include": described(patterns.clone(), "Only combinations that match one of these are run."),
+        "exclude": described(patterns, "Combinations that match one of these are left out."),
     });
     let axis = described(axis, "An axis: `path` and `values`, or a table for each point.");
     json!({ "type": "object", "properties": properties, "additionalProperties": axis })
@@ -78,10 +78,10 @@ fn sweep(point: Value) -> Value {
 fn seeds() -> Value {
     let list = json!({ "type": "array", "items": { "type": "integer", "minimum": 0 }, "minItems": 1 });
     let count = json!({ "type": "integer", "minimum": 1, "maximum": 1000 });
-    described(json!({ "anyOf": [count, list] }), "The learning seeds of every arm: how many, or which.")
+    described(json!({ "anyOf": [count, list] }), "The learning seeds of every arm: their number, or a list.")
 }
 
-/// The profiles: overlays that may also change the seeds and what a failed claim does.
+/// The profiles: overlays that may also change the seeds and the effect of a failed claim.
 fn profiles(mut sections: Map<String, Value>, claims: &Value) -> Value {
     sections.remove("report");
     let seeds =

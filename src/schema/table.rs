@@ -1,4 +1,4 @@
-//! Tables as schemas, with the values of their keys: plain ones, those of a kind, and named terms.
+//! Tables as schemas, with the values of their keys: plain tables, tables of a kind, and named terms.
 
 use serde_json::{Map, Value, json};
 
@@ -6,10 +6,10 @@ use super::{Definitions, described, pattern, types};
 use crate::kinds::reference::summary;
 use crate::spec::{Kind, Kinds, Param, Presence, Ty};
 
-/// Which keys must be written.
+/// Which keys are required.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Keys {
-    /// Any of them: a parent may hold the others.
+    /// None: a parent may contain the others.
     Some,
     /// All that are required.
     All,
@@ -46,7 +46,7 @@ pub fn key(param: &Param, definitions: &mut Definitions) -> Value {
     schema
 }
 
-/// The documentation of a key, with what a ratio refers to.
+/// The documentation of a key, including the reference of a ratio.
 fn documentation(param: &Param) -> String {
     match param.ty {
         Ty::Ratio(reference) => format!("{} A share of {reference}.", param.doc),
@@ -92,12 +92,12 @@ pub fn of(ty: &Ty, definitions: &mut Definitions) -> Value {
     }
 }
 
-/// The place of kinds inside a table.
+/// The context of kinds inside a table.
 fn place<'a>(kinds: Kinds, all: &'a [&'static Kind], switched: bool) -> Place<'a> {
     Place { name: kinds.section, noun: kinds.noun, kinds: all, extra: &[], switched }
 }
 
-/// The keys that must be written.
+/// The required keys.
 pub fn required(params: &[Param]) -> Vec<&'static str> {
     params
         .iter()
@@ -106,12 +106,12 @@ pub fn required(params: &[Param]) -> Vec<&'static str> {
         .collect()
 }
 
-/// The kinds that may stand in one place.
+/// The kinds that are allowed in one context.
 #[derive(Clone, Copy, Debug)]
 pub struct Place<'a> {
     /// The section.
     pub name: &'static str,
-    /// What its kinds are: `reward term`.
+    /// What its kinds are called: `reward term`.
     pub noun: &'static str,
     /// The kinds.
     pub kinds: &'a [&'static Kind],
@@ -122,14 +122,14 @@ pub struct Place<'a> {
 }
 
 impl Place<'_> {
-    /// A table of any of the kinds. The keys of all kinds stand in one list, for completion; what depends on
-    /// the kind stands in a branch for each.
+    /// A table of any of the kinds. The keys of all kinds are in one list, for completion; kind-specific
+    /// rules are in one branch per kind.
     pub fn of_any_kind(&self, definitions: &mut Definitions) -> Value {
         let mut properties = Map::new();
         properties.insert("kind".to_owned(), self.kind_key());
         if self.switched {
             let text =
-                format!("`false` switches this {} off, for example one that a parent holds.", self.noun);
+                format!("`false` switches this {} off, for example one that a parent sets.", self.noun);
             properties.insert("enabled".to_owned(), described(json!({ "type": "boolean" }), &text));
         }
         for param in self.extra {
@@ -155,7 +155,7 @@ impl Place<'_> {
         json!({ "type": "object", "properties": named, "additionalProperties": any })
     }
 
-    /// A term whose table is named after a kind: of that kind, unless it says otherwise.
+    /// A term whose table is named after a kind has that kind unless it sets `kind`.
     fn named(&self, kind: &'static Kind, any: &Value, definitions: &mut Definitions) -> Value {
         let own = self.of_kind(kind, definitions);
         let unless_said = json!({ "not": { "required": ["kind"] } });
@@ -182,8 +182,8 @@ impl Place<'_> {
         names
     }
 
-    /// What is the same for a key in all kinds that have it; where they differ only the documentation is
-    /// left. Some editors take a schema for closed unless it says that it is open.
+    /// The common part of a key's schema over all kinds that have it; if they differ, only the documentation
+    /// remains. Some editors treat a schema as closed unless it says that it is open.
     fn common(&self, name: &str, definitions: &mut Definitions) -> Value {
         let mut meanings: Vec<(Vec<&str>, Value)> = Vec::new();
         for kind in self.kinds {
@@ -208,14 +208,14 @@ impl Place<'_> {
         described(shape, &lines.join("\n\n"))
     }
 
-    /// What holds for a table that says it is of a kind.
+    /// Rules for a table with a given kind.
     fn branch(&self, kind: &'static Kind, definitions: &mut Definitions) -> Value {
         let own = self.of_kind(kind, definitions);
         let said = json!({ "properties": { "kind": { "const": kind.name } }, "required": ["kind"] });
         json!({ "if": said, "then": own, "additionalProperties": true })
     }
 
-    /// What holds for a table of a kind beyond what holds for all: its own types, and no keys of other kinds.
+    /// Additional rules for a table of a kind: its own types, and no keys of other kinds.
     fn of_kind(&self, kind: &'static Kind, definitions: &mut Definitions) -> Value {
         let this = *self;
         definitions.refer(&format!("kind.{}.{}", self.name, kind.name), |definitions| {
@@ -237,8 +237,8 @@ impl Place<'_> {
         })
     }
 
-    /// What a table must hold when nothing is inherited: the keys of the kind that it names, or else of the
-    /// kind that its own name is.
+    /// Required keys of a table without inheritance: those of its explicit kind, or of the kind with its
+    /// name.
     pub fn complete(&self, named: Option<&'static Kind>, definitions: &mut Definitions) -> Value {
         let said = self.complete_as_said(definitions);
         let mut demands = said.map(|said| vec![said]).unwrap_or_default();
@@ -250,7 +250,7 @@ impl Place<'_> {
         json!({ "allOf": demands, "additionalProperties": true })
     }
 
-    /// What a table must hold that says its kind; `None` where no kind needs a key.
+    /// Required keys of a table with an explicit kind; `None` if no kind has any.
     fn complete_as_said(&self, definitions: &mut Definitions) -> Option<Value> {
         let said =
             |kind: &Kind| json!({ "properties": { "kind": { "const": kind.name } }, "required": ["kind"] });
@@ -263,13 +263,13 @@ impl Place<'_> {
         Some(definitions.refer(&name, |_| json!({ "allOf": branches, "additionalProperties": true })))
     }
 
-    /// The keys that a table of a kind must hold.
+    /// The required keys of a table of a kind.
     fn needed(&self, kind: &Kind) -> Vec<&'static str> {
         [required(kind.params), required(self.extra)].concat()
     }
 }
 
-/// Keys that are needed under a condition.
+/// Keys that are required under a condition.
 fn demand(keys: Vec<&'static str>, condition: Value) -> Value {
     json!({ "if": condition, "then": { "required": keys, "additionalProperties": true },
             "additionalProperties": true })
@@ -284,7 +284,7 @@ fn undocumented(schema: &Value) -> Value {
     schema
 }
 
-/// What two schemas have in common: everything or nothing.
+/// The common part of two schemas: everything or nothing.
 fn same(first: Value, second: Value) -> Value {
     if first == second { first } else { Value::Null }
 }

@@ -1,4 +1,4 @@
-//! Tests of what a schema takes: patterns for quantities of a dimension, lengths of lists.
+//! Tests of what a schema accepts: patterns for quantities of a dimension, lengths of lists.
 
 use serde_json::{Value, json};
 
@@ -8,7 +8,7 @@ use crate::quantity::unit::{PREFIXES, UNITS};
 use crate::quantity::{Dimension, quantity};
 use crate::spec::{Length, Param, Ty};
 
-/// The dimensions that keys have, and the units that each is written in.
+/// The dimensions of keys, and the units for each.
 const WRITTEN: &[(Dimension, &[&str])] = &[
     (Dimension::LENGTH, &["m", "cm", "mm"]),
     (Dimension::TIME, &["s", "ms", "min", "h"]),

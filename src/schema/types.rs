@@ -1,4 +1,4 @@
-//! The types of single values as schemas, and the bounds of a key. Knows no tables.
+//! The types of single values as schemas, and the bounds of a key. Independent of tables.
 
 use serde_json::{Map, Value, json};
 
@@ -6,7 +6,7 @@ use super::{Definitions, described, pattern};
 use crate::quantity::Dimension;
 use crate::spec::{Length, Sampler, Ty};
 
-/// Says how many items a list has; of a value that has several forms, in those that are lists.
+/// Adds the length of a list; for a value with several forms, to those that are lists.
 pub fn measure(schema: &mut Value, length: Length) {
     let items = |least: usize, most: usize| json!({ "minItems": least, "maxItems": most });
     let bounds = match length {
@@ -23,18 +23,18 @@ pub fn measure(schema: &mut Value, length: Length) {
     }
 }
 
-/// Whether values of a type are numbers without a unit, whose bounds a schema can check.
+/// Whether values of a type are numbers without a unit, so that a schema can check their bounds.
 pub fn takes_bare_numbers(ty: &Ty) -> bool {
     matches!(ty, Ty::Count | Ty::Number | Ty::Quantity(Dimension::NONE) | Ty::Sampler(Dimension::NONE))
 }
 
-/// A bound, whole where it is.
+/// A bound, as an integer if it is whole.
 pub fn number(value: f64) -> Value {
     let whole = value as i64;
     if whole as f64 == value && value.abs() < 1e15 { json!(whole) } else { json!(value) }
 }
 
-/// A quantity: one definition per dimension; a pure number may stand bare.
+/// A quantity: one definition per dimension; a pure number may be a TOML number.
 pub fn quantity(dimension: Dimension, definitions: &mut Definitions) -> Value {
     if dimension == Dimension::NONE {
         return json!({ "type": ["number", "string"], "pattern": pattern::ratio() });
@@ -45,7 +45,7 @@ pub fn quantity(dimension: Dimension, definitions: &mut Definitions) -> Value {
     )
 }
 
-/// A plain quantity or a distribution: the keywords for strings, numbers and tables do not disturb each
+/// A plain quantity or a distribution: the keywords for strings, numbers and tables are independent of each
 /// other.
 pub fn sampler(dimension: Dimension, definitions: &mut Definitions) -> Value {
     definitions.refer(&format!("sampler.{}", slug(dimension)), |definitions| {
@@ -70,13 +70,13 @@ pub fn sampler(dimension: Dimension, definitions: &mut Definitions) -> Value {
     })
 }
 
-/// What a distribution is, for a hover.
+/// Description of a distribution, for a hover.
 fn distribution(word: &str) -> &'static str {
     match word {
         "uniform" => "Uniform between the two ends.",
         "log_uniform" => "Uniform in the logarithm between the two ends.",
         "normal" => "Normal with a mean and a standard deviation.",
-        _ => "One of the values with equal chance.",
+        _ => "One of the values with equal probability.",
     }
 }
 

@@ -8,12 +8,12 @@ use super::scene::{Contacts, EngineSettings, State, Terrain};
 use super::worlds::Worlds;
 use crate::robot::Robot;
 
-/// This many slots for worlds of an engine.
+/// `count` slots for worlds of an engine.
 pub fn worlds(engine: &Arc<dyn Engine>, count: usize) -> Box<dyn Worlds> {
     engine.worlds(count).unwrap_or_else(|| Box::new(Apart::new(engine.clone(), count)))
 }
 
-/// Worlds that know nothing of each other, advanced one after the other.
+/// Independent worlds, advanced one after the other.
 struct Apart {
     engine: Arc<dyn Engine>,
     slots: Vec<Slot>,
@@ -22,7 +22,7 @@ struct Apart {
 #[derive(Default)]
 struct Slot {
     world: Option<Box<dyn World>>,
-    /// Whether the world was handed torques since the last step.
+    /// Whether torques were applied to the world since the last step.
     due: bool,
 }
 

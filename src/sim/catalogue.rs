@@ -1,6 +1,6 @@
-//! What every engine supports, as `specforge list engines` prints it.
+//! Features that every engine supports, as `specforge list engines` prints them.
 
-/// What every engine supports: robots of a spec have nothing else.
+/// Features that every engine supports; robots of a spec use no others.
 pub const SUPPORTED: [(&str, &[&str]); 4] = [
     ("joints", &["revolute", "a floating base"]),
     ("shapes", &["box", "capsule", "sphere", "cylinder"]),

@@ -10,12 +10,12 @@ pub trait Engine: Send + Sync {
     /// Its name in specs.
     fn name(&self) -> &'static str;
 
-    /// Name and version, for the numeric identity of a run.
+    /// Name and version, part of the numeric identity of a run.
     fn identity(&self) -> String;
 
-    /// A fresh world that holds this robot on this terrain in this state. The robot's own figures are
-    /// the physics: randomization scales them before it comes here. Worlds built from equal arguments
-    /// and stepped with equal torques have bit-identical states.
+    /// A new world with this robot on this terrain in this state. The robot's parameters are used as they
+    /// are: randomization has already scaled them. Worlds built from equal arguments and stepped with equal
+    /// torques have bit-identical states.
     fn build(
         &self,
         robot: &Robot,
@@ -24,12 +24,13 @@ pub trait Engine: Send + Sync {
         state: &State,
     ) -> Result<Box<dyn World>, EngineError>;
 
-    /// How many worlds it advances together at best. Results do not depend on how many there are.
+    /// Number of worlds that it advances together most efficiently. Results do not depend on how many there
+    /// are.
     fn width(&self) -> usize {
         1
     }
 
-    /// This many slots for worlds that are advanced together; `None` from an engine that steps one world at a
+    /// `count` slots for worlds that are advanced together; `None` for an engine that steps one world at a
     /// time.
     fn worlds(&self, count: usize) -> Option<Box<dyn Worlds>> {
         let _ = count;
@@ -45,10 +46,10 @@ pub trait World: Send {
         self.advance();
     }
 
-    /// Hands the engine the joint torques in N m of the next step.
+    /// Sets the joint torques in N m of the next step.
     fn apply(&mut self, torque: &[f64]);
 
-    /// The engine's own step and nothing else, what a program that calls the engine directly pays.
+    /// The engine's own step without anything else, as in a program that calls the engine directly.
     fn advance(&mut self);
 
     /// Writes the current state.
@@ -61,6 +62,6 @@ pub trait World: Send {
     /// ends it.
     fn push(&mut self, force: [f64; 3]);
 
-    /// Whether every number of the state is finite and within physical reason.
+    /// Whether every number of the state is finite and within physical bounds.
     fn is_sane(&self) -> bool;
 }

@@ -1,6 +1,6 @@
-//! What can go wrong with an engine.
+//! Errors of physics engines.
 
-/// Something is wrong with an engine.
+/// An error of an engine.
 #[derive(Debug, thiserror::Error)]
 pub enum EngineError {
     /// The engine's library cannot be loaded (R0005).
@@ -8,7 +8,7 @@ pub enum EngineError {
     LibraryMissing {
         /// The engine.
         engine: &'static str,
-        /// What the loader said.
+        /// The loader's message.
         reason: String,
     },
     /// The engine refused the model.
@@ -16,7 +16,7 @@ pub enum EngineError {
     Model {
         /// The engine.
         engine: &'static str,
-        /// What it said.
+        /// Its reason.
         reason: String,
     },
 }

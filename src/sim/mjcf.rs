@@ -1,8 +1,8 @@
-//! MJCF text of a robot on its terrain: what the MuJoCo engine loads and deployment hands out.
+//! MJCF text of a robot on its terrain, loaded by the MuJoCo engine and exported by deployment.
 //!
-//! Pure text, needs no library. The same figures as every other engine: explicit inertias, armature,
-//! damping, friction loss, limits, one box per sole; Newton solver with elliptic cones, as the paper's
-//! simulation had it. Units SI, angles in radians.
+//! Pure text, needs no library. The same parameters as every other engine: explicit inertias, armature,
+//! damping, friction loss, limits, one box per sole; Newton solver with elliptic cones, as in the paper's
+//! simulation. Units SI, angles in radians.
 
 use std::fmt::Write;
 
@@ -20,7 +20,7 @@ pub const FREE_JOINT: &str = "floating_base";
 pub const SOLES: [&str; 2] = ["left_sole", "right_sole"];
 /// The end of a document.
 const CLOSING: &str = "</mujoco>\n";
-/// Height below the lowest point to which a height field is solid, in m.
+/// Depth of a height field's solid below its lowest point, in m.
 const FIELD_BASE: f64 = 0.1;
 
 /// The MJCF document. Motors are in joint order, `ctrl` is a torque in N m.
@@ -37,8 +37,8 @@ pub fn document(robot: &Robot, terrain: &Terrain, settings: &EngineSettings) -> 
     text
 }
 
-/// The robot by itself on flat ground, for other programs: the document with the default pose as a key frame,
-/// and with the figures that MJCF has no place for as named numbers, `JOINT.velocity_limit` in rad/s,
+/// The robot alone on flat ground, for other programs: the document with the default pose as a key frame, and
+/// with the parameters that MJCF does not support as named numbers, `JOINT.velocity_limit` in rad/s,
 /// `JOINT.stiffness_gain` in N m/rad and `JOINT.damping_gain` in N m s/rad.
 pub fn description(robot: &Robot) -> String {
     let settings = EngineSettings { step: 0.002, friction: 1.0, contact_time: None };
@@ -69,7 +69,7 @@ pub fn description(robot: &Robot) -> String {
     text
 }
 
-/// The links in the order in which the document has them.
+/// The links in the order of the document.
 fn depth_first(robot: &Robot) -> impl Iterator<Item = usize> {
     let below = move |parent: Option<usize>| {
         (0..robot.joints())
@@ -173,7 +173,7 @@ fn base(text: &mut String, robot: &Robot, friction: f64) {
     line(text, format_args!("    </body>"));
 }
 
-/// A link and everything that hangs on it.
+/// A link with all its descendants.
 fn branch(text: &mut String, (robot, friction): (&Robot, f64), index: usize, indent: usize) {
     let link = &robot.links[index];
     let name = attribute(&link.body.name);
@@ -193,7 +193,7 @@ fn branch(text: &mut String, (robot, friction): (&Robot, f64), index: usize, ind
 }
 
 /// The box of a sole. A foot's friction is a factor on the ground's; its priority makes the product the
-/// pair's coefficient, which between equal priorities would be the larger of the two.
+/// pair's coefficient, because MuJoCo takes the larger of the two at equal priorities.
 fn sole(text: &mut String, name: &str, (foot, friction): (&Foot, f64), indent: usize) {
     let (size, centre) = (vector(&foot.half_extents), vector(&foot.centre.coords));
     let own = match foot.friction {

@@ -1,8 +1,8 @@
-//! Physics engines behind one trait. Engines only: nothing here knows rewards, policies or specs.
+//! Physics engines behind one trait. Independent of rewards, policies and specs.
 //!
-//! Every engine builds the same robot: the links' collision shapes touch the ground only, never each
-//! other, and a foot's link has exactly one shape, the box of its sole. Joint limits, damping,
-//! friction and armature are those of the [`crate::robot::Robot`].
+//! Every engine builds the same robot: the links' collision shapes collide with the ground but not with each
+//! other, and a foot's link has exactly one shape, the box of its sole. Joint limits, damping, friction and
+//! armature are those of the [`crate::robot::Robot`].
 
 mod apart;
 pub mod catalogue;
@@ -31,13 +31,13 @@ pub use error::EngineError;
 pub use scene::{Contacts, EngineSettings, State, Terrain};
 pub use worlds::{Seat, Worlds};
 
-/// Names of the engines, as specs write them; a build may lack some.
+/// Names of the engines in specs; a build may lack some.
 pub const ENGINES: &[&str] = EngineName::WORDS;
 
-/// The engine of this name, or R0005 when this build or this machine lacks it.
+/// The engine with this name, or R0005 if this build or machine lacks it.
 pub fn open(name: &str) -> Result<Arc<dyn Engine>, EngineError> {
     let unknown =
-        || EngineError::LibraryMissing { engine: "unknown", reason: format!("there is no engine `{name}`") };
+        || EngineError::LibraryMissing { engine: "unknown", reason: format!("unknown engine `{name}`") };
     match EngineName::named(name).ok_or_else(unknown)? {
         #[cfg(feature = "batch")]
         EngineName::Batch => Ok(Arc::new(batch::Batch::default())),
@@ -53,7 +53,7 @@ pub fn open(name: &str) -> Result<Arc<dyn Engine>, EngineError> {
 /// Instruction sets of the batch engine.
 pub const INSTRUCTIONS: &[&str] = &["scalar", "avx2", "avx512"];
 
-/// The batch engine under one of these instruction sets, to measure it.
+/// The batch engine with one of these instruction sets, for benchmarks.
 pub fn batch_under(instructions: &str) -> Result<Arc<dyn Engine>, EngineError> {
     #[cfg(feature = "batch")]
     return match batch::Set::named(instructions).and_then(batch::Batch::under) {

@@ -1,8 +1,8 @@
-//! The ground as convex patches of plane surface, and how high a polygon must be lifted to lie above all of
+//! The ground as convex planar patches, and the height by which a polygon must be lifted to lie above all of
 //! them.
 //!
 //! Exact for every terrain: over the common region of a plane polygon and a plane patch the gap between them
-//! is linear, so the smallest one is at a corner of that region. Knows no engine and no robot.
+//! is linear, so its minimum is at a corner of that region. Independent of engines and robots.
 
 use super::scene::Terrain;
 use super::terrain;
@@ -12,7 +12,7 @@ use super::terrain;
 pub(super) struct Patch {
     slope: [f64; 2],
     level: f64,
-    /// Corners of the region in m, counter-clockwise; none of them is everywhere.
+    /// Corners of the region in m, counter-clockwise; an empty list is the whole plane.
     region: Vec<[f64; 2]>,
 }
 
@@ -35,8 +35,8 @@ impl Patch {
         x * self.slope[0] + y * self.slope[1] + self.level
     }
 
-    /// How far the patch is above a polygon at most, in m; negative when it is below everywhere, minus
-    /// infinity when it is beside it.
+    /// Largest height of the patch above a polygon, in m; negative if the patch is below it everywhere, minus
+    /// infinity if the two do not overlap.
     fn above(&self, polygon: &[[f64; 3]]) -> f64 {
         let mut common = polygon.to_vec();
         for (index, from) in self.region.iter().enumerate() {
@@ -68,8 +68,8 @@ fn kept(polygon: &[[f64; 3]], from: [f64; 2], to: [f64; 2]) -> Vec<[f64; 3]> {
 }
 
 impl Terrain {
-    /// How far in m the ground rises above a convex plane polygon at most: the height by which it must be
-    /// lifted to lie on the ground. Negative when there is room below it.
+    /// Largest height in m of the ground above a convex planar polygon: the height by which the polygon must
+    /// be lifted to lie on the ground. Negative if there is space below it.
     pub fn above(&self, polygon: &[[f64; 3]]) -> f64 {
         let patches = self.patches(polygon);
         patches.iter().fold(f64::NEG_INFINITY, |highest, patch| highest.max(patch.above(polygon)))
@@ -99,8 +99,8 @@ impl Terrain {
                         patches.extend(cell_patches(*cell, *counts, heights, [row, column]));
                     }
                 }
-                // The plane beyond the border is below all of the field, and knowing how far takes a look at
-                // every height.
+                // The plane outside the border is below all of the field, and computing how far takes a pass
+                // over all heights.
                 let beyond =
                     |[x, y, _]: &[f64; 3]| terrain::within(*cell, *counts, heights, [*x, *y]).is_none();
                 if patches.is_empty() || polygon.iter().any(beyond) {
@@ -119,11 +119,11 @@ fn cells_below(polygon: &[[f64; 3]], axis: usize, cell: f64, count: usize) -> st
     let (low, high) = polygon.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), point| {
         (low.min(place(point[axis])), high.max(place(point[axis])))
     });
-    // A cell more on the far side, for corners that lie on a line of the grid; casts are clamped.
+    // One more cell on the far side, for corners on a grid line; casts saturate.
     (low.max(0.0) as usize).min(last)..((high + 1.0).max(0.0) as usize).min(last)
 }
 
-/// The two triangles of a cell, divided from its low to its high corner as both engines do.
+/// The two triangles of a cell, split from its low to its high corner as in both engines.
 fn cell_patches(cell: f64, counts: [usize; 2], heights: &[f64], [row, column]: [usize; 2]) -> [Patch; 2] {
     let at = |row: usize, column: usize| {
         let place = |index: usize, count: usize| (index as f64 - (count - 1) as f64 / 2.0) * cell;

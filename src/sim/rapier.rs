@@ -1,10 +1,10 @@
 //! The rapier engine: multibody joints in single precision, one world per robot.
 //!
-//! Settings and cures are those that were measured (docs/explanation/engines.md): one solver iteration with
-//! four stabilisation sweeps, no continuous collision detection, no contact recycling; the root's frame
-//! stands at its centre of mass (elsewhere rapier moves a free root wrongly); every generalized damping
-//! starts at zero (rapier's default is 0.1, root included); torques enter as the force of a weak spring,
-//! which is exact to 1e-4 N m.
+//! Settings and workarounds were measured (docs/explanation/engines.md): one solver iteration with four
+//! stabilization sweeps, no continuous collision detection, no contact recycling; the root's frame is at its
+//! centre of mass (rapier moves a free root wrongly otherwise); every generalized damping starts at zero
+//! (rapier's default is 0.1, including the root); torques are applied as the force of a weak spring, which is
+//! exact to 1e-4 N m.
 
 use nalgebra::{Unit, Vector3};
 use rapier3d::dynamics::{
@@ -33,11 +33,11 @@ use crate::robot::{Foot, Robot};
 const GRAVITY: f32 = 9.81;
 /// The free axis of a revolute multibody joint: rotation about x of the joint frames.
 const ANGLE: usize = 3;
-/// Stiffness in N m/rad of the spring that carries the torque.
+/// Stiffness in N m/rad of the spring that applies the torque.
 const CARRIER: f32 = 1e-3;
-/// Joint speed in rad/s beyond which a state is no physics any more.
+/// Joint speed in rad/s above which a state counts as diverged.
 const MAX_RATE: f32 = 1000.0;
-/// Distance in m from the origin beyond which a state is no physics any more.
+/// Distance in m from the origin above which a state counts as diverged.
 const MAX_DISTANCE: f32 = 1000.0;
 
 /// The rapier engine.
@@ -69,7 +69,7 @@ impl Engine for Rapier {
     }
 }
 
-/// The sets of a rapier simulation while they are filled.
+/// The sets of a rapier simulation during construction.
 struct Assembly {
     parameters: IntegrationParameters,
     bodies: RigidBodySet,
@@ -177,7 +177,7 @@ impl Assembly {
         self.colliders.insert_with_parent(collider, handle, &mut self.bodies)
     }
 
-    /// Sets the joints' figures and closes the sets into a world.
+    /// Sets the joints' parameters and combines the sets into a world.
     fn finish(mut self, robot: &Robot) -> Result<RapierWorld, EngineError> {
         for (_, body) in self.bodies.iter_mut() {
             body.recompute_mass_properties_from_colliders(&self.colliders);
@@ -225,7 +225,7 @@ impl Assembly {
     }
 }
 
-/// Where a joint lives in the multibody: its link and its entry of the generalized vectors.
+/// Position of a joint in the multibody: its link and its index in the generalized vectors.
 #[derive(Clone, Copy, Debug)]
 struct Slot {
     link: usize,
@@ -255,7 +255,7 @@ struct RapierWorld {
 }
 
 impl RapierWorld {
-    /// Brings the fresh world into a state.
+    /// Sets the state of a new world.
     fn place(&mut self, state: &State) {
         let [w, x, y, z] = state.base_orientation.map(|value| value as f32);
         let turn = Rotation::from_xyzw(x, y, z, w).normalize();
@@ -283,8 +283,8 @@ impl RapierWorld {
         }
     }
 
-    /// Force in N of the ground on a collider over the last step, from the contacts that the solver
-    /// used: other manifold points keep stale impulses.
+    /// Force in N of the ground on a collider in the last step, from the contacts that the solver used: other
+    /// manifold points have stale impulses.
     fn force(&self, collider: ColliderHandle) -> Vector {
         let pairs = self.narrow_phase.contact_pairs_with(collider);
         pairs.fold(Vector::ZERO, |sum, pair| sum + self.pair_force(pair, collider))
@@ -326,7 +326,7 @@ impl World for RapierWorld {
             let joint = &mut tree.link_mut(slot.link).expect("slots name links of the tree").joint;
             let position = joint.coords()[ANGLE];
             joint.set_spring(ANGLE, CARRIER, position + *torque as f32 / CARRIER);
-            // The row of a limit that is kept has no impulse but costs a solve of the mass matrix.
+            // The row of an inactive limit has no impulse but costs a solve of the mass matrix.
             let limit = joint.data.limits[ANGLE];
             let kept = (limit.min..=limit.max).contains(&position);
             joint.data.limit_axes.set(JointAxesMask::ANG_X, !kept);
@@ -389,7 +389,7 @@ impl World for RapierWorld {
     fn is_sane(&self) -> bool {
         let tree = self.joints.get_multibody(self.tree).expect("the multibody lives as long as the world");
         let place = tree.root().local_to_world().translation;
-        // A comparison with a number that is not one is false, so this also catches those.
+        // Comparisons with NaN are false, so NaN is caught, too.
         let slow = tree.generalized_velocity().iter().all(|rate| rate.abs() < MAX_RATE);
         let near = place.abs().max_element() < MAX_DISTANCE && place.is_finite();
         slow && near && self.pipeline.quarantine().bodies().is_empty()
@@ -418,7 +418,7 @@ fn parameters(settings: &EngineSettings) -> IntegrationParameters {
     parameters
 }
 
-/// A height field; rapier's lies in x-z with y up, so it is turned about x, which reverses its rows.
+/// A height field; rapier's lies in x-z with y up, so it is rotated about x, which reverses its rows.
 fn field(cell: f64, counts: [usize; 2], heights: &[f64]) -> ColliderBuilder {
     let [along, across] = counts;
     let mut grid = Array2::repeat(across, along, 0.0);

@@ -1,4 +1,4 @@
-//! What goes into a world and comes out of it, in plain numbers: the ground, settings, states, contacts.
+//! Inputs and outputs of a world in plain numbers: the ground, settings, states, contacts.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,6 +1,6 @@
-//! The ground as geometry: the height below a point, and the pieces of which engines build it.
+//! Geometry of the ground: the height at a point, and the pieces from which engines build it.
 //!
-//! Knows no engine. Every piece is static and shares the friction of [`super::EngineSettings`].
+//! Independent of engines. Every piece is static and has the friction of [`super::EngineSettings`].
 
 use super::scene::Terrain;
 
@@ -14,7 +14,7 @@ pub enum Piece<'a> {
         /// The normal.
         normal: [f64; 3],
     },
-    /// A box along the axes: centre and half extents in m.
+    /// An axis-aligned box: centre and half extents in m.
     Box {
         /// Its centre in m.
         centre: [f64; 3],
@@ -55,7 +55,7 @@ impl Terrain {
         }
     }
 
-    /// Where along x an obstacle begins and ends, in m; `None` on ground without one.
+    /// Range along x of an obstacle, in m; `None` on ground without one.
     pub fn obstacle(&self) -> Option<[f64; 2]> {
         match self {
             Self::BoxObstacle { centre, half_length, .. } => {
@@ -81,14 +81,14 @@ impl Terrain {
     }
 }
 
-/// Height in m of the plane as which the ground goes on beyond a height field, so that nothing falls for
-/// ever: a step below its lowest point.
+/// Height in m of the plane that continues the ground outside a height field, so that nothing falls without
+/// end: a step below the lowest point.
 pub(super) fn skirt(heights: &[f64]) -> f64 {
     heights.iter().copied().fold(f64::INFINITY, f64::min) - 0.05
 }
 
-/// Height of a field at a point; `None` beyond its border. A cell is two triangles, divided from its low to
-/// its high corner: rapier and MuJoCo both divide it so (`tests/terrain.rs` probes them).
+/// Height of a field at a point; `None` beyond its border. A cell is two triangles, split from its low to its
+/// high corner, as in rapier and MuJoCo (`tests/terrain.rs` checks both).
 pub(super) fn within(cell: f64, counts: [usize; 2], heights: &[f64], point: [f64; 2]) -> Option<f64> {
     let place = |axis: usize| {
         let last = counts[axis].checked_sub(1)?;

@@ -1,16 +1,17 @@
-//! Worlds in numbered slots that an engine advances together.
+//! Numbered slots of worlds that an engine advances together.
 //!
-//! An engine that steps several worlds at once implements [`Worlds`] itself; for any other, `apart` does.
-//! What happens in one slot never depends on the others.
+//! An engine that steps several worlds at once implements [`Worlds`] itself; `apart` does so for the others.
+//! Slots are independent of each other.
 
 use super::error::EngineError;
 use super::scene::{Contacts, EngineSettings, State, Terrain};
 use crate::robot::Robot;
 
-/// A fixed number of slots, each with the world of one robot. A slot is used after [`Worlds::place`] only.
+/// A fixed number of slots, each with the world of one robot. A slot must be filled by [`Worlds::place`]
+/// before use.
 pub trait Worlds: Send {
-    /// Puts a fresh world into a slot, as [`Engine::build`](super::Engine::build) makes it. After an error
-    /// the slot holds no world.
+    /// Puts a new world into a slot, as [`Engine::build`](super::Engine::build) makes it. After an error the
+    /// slot is empty.
     fn place(
         &mut self,
         slot: usize,
@@ -20,10 +21,11 @@ pub trait Worlds: Send {
         state: &State,
     ) -> Result<(), EngineError>;
 
-    /// Hands a world the joint torques in N m of the next physics step (already within the effort limits).
+    /// Sets the joint torques in N m of a world's next physics step (already within the effort limits).
     fn apply(&mut self, slot: usize, torque: &[f64]);
 
-    /// Advances one physics step each world that was handed torques since the last call; the others wait.
+    /// Advances by one physics step each world whose torques were set since the last call; the others do not
+    /// change.
     fn advance(&mut self);
 
     /// Writes the current state of a world.
@@ -36,11 +38,11 @@ pub trait Worlds: Send {
     /// [`World::push`](super::World::push) does.
     fn push(&mut self, slot: usize, force: [f64; 3]);
 
-    /// Whether every number of a world's state is finite and within physical reason.
+    /// Whether every number of a world's state is finite and within physical bounds.
     fn is_sane(&self, slot: usize) -> bool;
 }
 
-/// One slot, for an episode that knows nothing of the others.
+/// One slot, for an episode that is independent of the others.
 pub struct Seat<'a> {
     /// All slots.
     pub worlds: &'a mut dyn Worlds,

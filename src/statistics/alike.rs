@@ -1,9 +1,9 @@
-//! Runs without any spread: all runs of every arm have the same value, so no test can estimate a variance
+//! Tests for runs without any spread: all runs of an arm have the same value, so no variance can be estimated
 //! from them.
 //!
-//! Two arms with different values: Fisher's exact test over the runs. Two arms of the same share, or one
-//! arm's share against a number: the episodes of all runs, pooled. Other values against a number: the sign
-//! test over the runs.
+//! Two arms with different values: Fisher's exact test over the runs. Two arms with the same share of
+//! episodes, or one arm's share against a number: the pooled episodes of all runs. Other values against a
+//! number: the sign test over the runs.
 
 use statrs::function::factorial::ln_binomial;
 
@@ -13,24 +13,24 @@ use super::proportion::score_test;
 use super::resample::Strata;
 use super::summary::mean;
 
-/// Samples whose runs are all alike inside every stratum.
+/// Samples whose runs are all equal within each stratum.
 #[derive(Clone, Copy, Debug)]
 pub struct Alike<'a> {
     /// The runs by side and stratum.
     pub sides: &'a [Strata],
-    /// Episodes behind each run's share; `None` when the values are not shares of episodes.
+    /// Number of episodes behind each run's share; `None` if the values are not shares of episodes.
     pub episodes: Option<usize>,
 }
 
 impl<'a> Alike<'a> {
-    /// The samples, when every stratum has at least two runs and all of its runs are alike.
+    /// The samples, if every stratum has at least two runs and all of its runs are equal.
     pub fn of(sides: &'a [Strata], episodes: Option<usize>) -> Option<Self> {
         let is_alike = |runs: &Vec<f64>| runs.len() > 1 && runs.iter().all(|run| *run == runs[0]);
         let strata = || sides.iter().flatten();
         (strata().next().is_some() && strata().all(is_alike)).then_some(Self { sides, episodes })
     }
 
-    /// Two-sided p value of the mean, or of the difference of the means, being `boundary`.
+    /// Two-sided p value for the mean, or the difference of the means, being equal to `boundary`.
     pub fn p(&self, boundary: f64) -> Option<f64> {
         match self.sides {
             [one] => self.against_number(one, boundary),
@@ -74,8 +74,7 @@ impl<'a> Alike<'a> {
                 Some(independent(counts[0], counts[1], confidence).1)
             });
         }
-        // Every stratum is a table of its own; under the null hypothesis their extreme orders are
-        // independent.
+        // Every stratum is a separate table; under the null hypothesis their extreme orders are independent.
         let is_beyond = |above: bool| {
             pairs().all(|(a, b)| if above { a[0] - boundary > b[0] } else { a[0] - boundary < b[0] })
         };
@@ -91,12 +90,12 @@ impl<'a> Alike<'a> {
     }
 }
 
-/// The mean over the strata of their only value.
+/// The mean over the strata of their single value.
 fn centre(strata: &Strata) -> Option<f64> {
     mean(&strata.iter().map(|runs| runs[0]).collect::<Vec<_>>())
 }
 
-/// The successes of so many trials at this share.
+/// The successes among `trials` trials at this share.
 fn successes(share: f64, trials: u64) -> u64 {
     libm::round(share * trials as f64) as u64
 }
@@ -122,19 +121,19 @@ mod tests {
             "30 points beyond the boundary"
         );
         assert_eq!(p(&[1.0; 3], &[1.0; 3], Some(96), 0.0), 1.0);
-        // Unequal numbers of runs: the opposite extreme is impossible, so one tail is all there is, doubled.
+        // Unequal numbers of runs: the opposite extreme is impossible, so the single tail is doubled.
         assert!((p(&[1.0; 3], &[0.0; 5], None, 0.0) - 2.0 / 56.0).abs() < 1e-9);
     }
 
     #[test]
     fn arms_of_one_share_are_told_from_a_difference_by_their_episodes() {
-        // 288 of 288 twice: Wilson's lower end at z is 288 / (288 + z^2), so the boundary of 5 points is
-        // reached at z^2 = 288 / 19.
+        // 288 of 288 twice: Wilson's lower end at z is 288 / (288 + z^2), so a boundary of 5 percentage
+        // points is reached at z^2 = 288 / 19.
         let expected = 2.0 * 0.5 * libm::erfc(libm::sqrt(288.0 / 19.0 / 2.0));
         let found = p(&[1.0; 3], &[1.0; 3], Some(96), 0.05);
         assert!((found - expected).abs() < 1e-6, "{found} is not {expected}");
         assert!((p(&[1.0; 3], &[1.0; 3], Some(96), -0.05) - expected).abs() < 1e-6);
-        // Without episodes behind them equal values leave only their order, shifted by the boundary.
+        // Without episodes behind them, equal values only have their order, shifted by the boundary.
         assert!((p(&[2.0; 4], &[2.0; 4], None, 0.5) - 2.0 / 70.0).abs() < 1e-9);
     }
 

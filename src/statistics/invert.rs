@@ -1,12 +1,12 @@
-//! P values from intervals: the level at which an interval begins to leave a boundary out.
+//! P values from intervals: the level at which an interval first excludes a boundary.
 
 use super::Interval;
 
-/// Levels below this are not told apart.
+/// Smallest level that is resolved.
 const SMALLEST: f64 = 1e-9;
 
-/// Two-sided p value of an estimate with the value `value` being `boundary`, given its interval of each
-/// confidence; `None` without an interval.
+/// Two-sided p value for an estimate `value` against `boundary`, given its interval at each confidence;
+/// `None` without an interval.
 pub fn two_sided(value: f64, boundary: f64, interval: &dyn Fn(f64) -> Option<Interval>) -> Option<f64> {
     if value == boundary {
         return Some(1.0);
@@ -15,10 +15,10 @@ pub fn two_sided(value: f64, boundary: f64, interval: &dyn Fn(f64) -> Option<Int
     if !holds(SMALLEST)? {
         return Some(SMALLEST);
     }
-    // The interval of this level holds the boundary, that of the next one does not.
+    // The interval at this level contains the boundary, that at the next one does not.
     let (mut inside, mut outside) = (SMALLEST, 1.0);
     for _ in 0..60 {
-        // Levels are told apart by their ratio, small ones too.
+        // Bisects geometrically, so that small levels are resolved, too.
         let middle = libm::sqrt(inside * outside);
         if holds(middle)? { inside = middle } else { outside = middle }
     }

@@ -7,15 +7,16 @@ use super::resample::RESAMPLES;
 use super::summary::{deviation, mean, quantile_of_sorted};
 use crate::stream::Stream;
 
-/// The fewest values whose percentile interval is called by its confidence, and is told with a p value.
+/// Smallest number of values for which the percentile interval is labelled with its confidence and gets a p
+/// value.
 pub const FEWEST: usize = 5;
 
-/// How often, in per cent, the percentile interval of 95 % over so few normal values holds the truth: that of
-/// a mean, and that of a difference of two means. `None` from [`FEWEST`] values on (83 and 87 % there), and
-/// where there is no interval.
+/// Actual coverage in per cent of the 95 % percentile interval over so few normal values: for a mean, and for
+/// a difference of two means. `None` from [`FEWEST`] values on (83 and 87 % there), and if there is no
+/// interval.
 ///
-/// Of two or three values the interval of a mean is their range: one resample in 4 or 27 is the smallest
-/// value alone, and that is more than the 2.5 % that an end leaves out.
+/// With two or three values the interval of a mean is their range: one resample in 4 or 27 consists of the
+/// smallest value alone, which exceeds the 2.5 % that are cut off at each end.
 pub fn coverage(count: usize) -> Option<[u32; 2]> {
     match count {
         2 => Some([50, 67]),
@@ -25,7 +26,7 @@ pub fn coverage(count: usize) -> Option<[u32; 2]> {
     }
 }
 
-/// Student's interval for the mean of independent values; `None` below two values.
+/// Student's interval for the mean of independent values; `None` with fewer than two values.
 pub fn student(values: &[f64], confidence: f64) -> Option<Interval> {
     let centre = mean(values)?;
     let error = deviation(values)? / libm::sqrt(values.len() as f64);
@@ -34,9 +35,9 @@ pub fn student(values: &[f64], confidence: f64) -> Option<Interval> {
     Some(Interval { low: centre - t * error, high: centre + t * error })
 }
 
-/// Percentile bootstrap interval for the mean over strata of the strata's means: values are resampled
-/// inside their stratum (Agarwal et al. 2021). One stratum is the ordinary bootstrap. `None` when a
-/// stratum has fewer than two values or there is none.
+/// Percentile bootstrap interval for the mean over strata of the strata's means: values are resampled within
+/// their stratum (Agarwal et al. 2021). One stratum gives the ordinary bootstrap. `None` without strata or if
+/// one has fewer than two values.
 pub fn bootstrap(strata: &[&[f64]], confidence: f64, stream: &mut Stream) -> Option<Interval> {
     if strata.is_empty() || strata.iter().any(|stratum| stratum.len() < 2) {
         return None;

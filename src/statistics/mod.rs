@@ -1,5 +1,5 @@
-//! Estimates with honest intervals: proportions, means, differences, and summaries of samples; the tests of
-//! claims, and what a claim expects of them.
+//! Estimates with confidence intervals: proportions, means, differences, and summaries of samples; the tests
+//! of claims and their expected regions.
 //!
 //! Episodes are the unit for statements about one policy; runs (seeds) are the unit for statements
 //! about a method (Agarwal et al. 2021). All resampling draws from a named stream.
@@ -37,7 +37,7 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// Whether the value lies inside or on the boundary.
+    /// Whether the value lies inside or on an end of the interval.
     pub fn contains(&self, value: f64) -> bool {
         self.low <= value && value <= self.high
     }

@@ -1,4 +1,4 @@
-//! The power of tests of means over runs, and how many runs or episodes would settle a claim.
+//! The power of tests of means over runs, and the number of runs or episodes that would settle a claim.
 
 use statrs::distribution::{ChiSquared, Continuous, ContinuousCDF, Normal, StudentsT};
 
@@ -7,30 +7,30 @@ use crate::kinds::statistic::{FEW, SMALLEST_OF_FEW};
 
 /// The power that a planned test should have.
 pub const TARGET: f64 = 0.8;
-/// The most runs per arm or episodes that are looked for.
+/// Largest number of runs per arm or episodes that is considered.
 const MOST: usize = 100_000;
-/// The most runs per arm that are looked for where several comparisons are computed for each number.
+/// Largest number of runs per arm that is considered if several comparisons are computed for each number.
 pub const MOST_RUNS: usize = 1 << 14;
-/// Points at which the distribution of the estimated variance is summed.
+/// Number of points for summing over the distribution of the estimated variance.
 const POINTS: usize = 400;
 
-/// A side of a comparison of means over runs.
+/// One side of a comparison of means over runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arm {
     /// The standard deviation between its runs, times the factor of the claim.
     pub spread: f64,
-    /// Its runs.
+    /// Number of runs.
     pub runs: usize,
 }
 
-/// With this many runs per arm or more, the degrees of freedom of Welch's test are taken at the true spreads.
+/// From this many runs per arm, the degrees of freedom of Welch's test are computed from the true spreads.
 const MANY: usize = 8;
-/// Points at which the distribution of each arm's estimated variance is summed.
+/// Number of points for summing over the distribution of each arm's estimated variance.
 const POINTS_OF_FEW: usize = 40;
 
-/// The chance that Welch's test of one or two arms establishes, at a two-sided level, that the estimate lies
-/// beyond a boundary, when the truth lies so far beyond it. Arms may have different numbers of runs. `None`
-/// without any spread or with fewer than two runs in an arm.
+/// Probability that Welch's test of one or two arms finds, at a two-sided level, that the estimate lies
+/// beyond a boundary, if the true value lies this far beyond it. Arms may have different numbers of runs.
+/// `None` without any spread or with fewer than two runs in an arm.
 pub fn of_arms(distance: f64, arms: &[Arm], alpha: f64) -> Option<f64> {
     let fewest = arms.iter().map(|arm| arm.runs).min()?;
     let of_one_size = arms.iter().all(|arm| arm.runs == fewest);
@@ -61,18 +61,18 @@ pub fn of_arms(distance: f64, arms: &[Arm], alpha: f64) -> Option<f64> {
     Some(power.clamp(0.0, 1.0))
 }
 
-/// One value that the estimated variance of an arm's mean can have.
+/// A possible value of the estimated variance of an arm's mean.
 #[derive(Clone, Copy, Debug)]
 struct Share {
     /// The squared standard error.
     square: f64,
     /// Its square over the degrees of freedom.
     squared_over_freedom: f64,
-    /// Its chance.
+    /// Its probability.
     weight: f64,
 }
 
-/// The values of the estimated variance of an arm's mean, of equal chance: the quantiles of its distribution.
+/// Equally probable values of the estimated variance of an arm's mean: the quantiles of its distribution.
 fn estimates(arm: Arm) -> Option<Vec<Share>> {
     let freedom = (arm.runs - 1) as f64;
     let chi = ChiSquared::new(freedom).ok()?;
@@ -84,14 +84,14 @@ fn estimates(arm: Arm) -> Option<Vec<Share>> {
     Some((0..POINTS_OF_FEW).map(share).collect())
 }
 
-/// [`of_arms`] with so many runs in each arm. `spreads` are the standard deviations between the runs of each
-/// side, the second one's times the factor.
+/// [`of_arms`] with the same number of runs in each arm. `spreads` are the standard deviations between the
+/// runs of each side, the second one's times the factor.
 pub fn of_means(distance: f64, spreads: &[f64], runs: usize, alpha: f64) -> Option<f64> {
     let arms: Vec<Arm> = spreads.iter().map(|spread| Arm { spread: *spread, runs }).collect();
     of_arms(distance, &arms, alpha)
 }
 
-/// [`of_means`] with the degrees of freedom that the true spreads give.
+/// [`of_means`] with the degrees of freedom from the true spreads.
 fn of_many(distance: f64, spreads: &[f64], runs: usize, alpha: f64) -> Option<f64> {
     let variances = || spreads.iter().map(|spread| spread * spread);
     let sum: f64 = variances().sum();
@@ -104,11 +104,11 @@ fn of_many(distance: f64, spreads: &[f64], runs: usize, alpha: f64) -> Option<f6
     noncentral_tail(critical, distance / libm::sqrt(sum / runs as f64), freedom)
 }
 
-/// The chance that a t statistic with this noncentrality exceeds a number: the normal tail averaged over the
+/// Probability that a t statistic with this noncentrality exceeds a number: the normal tail averaged over the
 /// distribution of the estimated standard deviation.
 fn noncentral_tail(critical: f64, noncentrality: f64, freedom: f64) -> Option<f64> {
     let (chi, normal) = (ChiSquared::new(freedom).ok()?, Normal::standard());
-    // Ratios of the estimated to the true deviation, within eight of their own deviations of 1.
+    // Ratios of the estimated to the true deviation, within eight of their standard deviations around 1.
     let reach = 8.0 / libm::sqrt(2.0 * freedom);
     let least = (1.0 - reach).max(0.0);
     let step = (1.0 + reach - least) / POINTS as f64;
@@ -121,8 +121,8 @@ fn noncentral_tail(critical: f64, noncentrality: f64, freedom: f64) -> Option<f6
     Some((sum * step).clamp(0.0, 1.0))
 }
 
-/// The fewest runs per arm with which the test has the power [`TARGET`]; `None` when there are too many, or
-/// none.
+/// Smallest number of runs per arm with which the test has the power [`TARGET`]; `None` if it is too large or
+/// does not exist.
 pub fn runs_needed(distance: f64, spreads: &[f64], alpha: f64) -> Option<usize> {
     let distance = distance.abs();
     first(2, |runs| of_means(distance, spreads, runs, alpha).is_some_and(|power| power >= TARGET))
@@ -144,9 +144,9 @@ pub fn detectable(spreads: &[f64], runs: usize, alpha: f64) -> Option<f64> {
     Some(enough)
 }
 
-/// The fewest episodes per policy for which a difference so far from its boundary is told from it with the
-/// power [`TARGET`], when one episode (or pair of episodes) adds this variance. `None` without a distance or
-/// a variance, or when there are too many.
+/// Smallest number of episodes per policy for which a difference this far from its boundary is detected with
+/// the power [`TARGET`], if one episode (or pair of episodes) has this variance. `None` without a distance or
+/// a variance, or if the number is too large.
 pub fn observations_needed(distance: f64, variance: f64, alpha: f64) -> Option<usize> {
     let normal = Normal::standard();
     let reach = normal.inverse_cdf(1.0 - 0.5 * alpha) + normal.inverse_cdf(TARGET);
@@ -154,10 +154,10 @@ pub fn observations_needed(distance: f64, variance: f64, alpha: f64) -> Option<u
     (variance > 0.0 && needed.is_finite() && needed <= MOST as f64).then_some((needed as usize).max(2))
 }
 
-/// The fewest runs per arm with which the order of two arms is established with the power [`TARGET`], when a
-/// run of one arm exceeds one of the other with this chance (Noether 1987, J. Am. Stat. Assoc. 82:645), and
-/// at least as many as the exact test needs to have such a p value. `None` when neither arm is ahead, or when
-/// there are too many.
+/// Smallest number of runs per arm with which the order of two arms is established with the power [`TARGET`],
+/// if a run of one arm exceeds one of the other with this probability (Noether 1987, J. Am. Stat. Assoc.
+/// 82:645), and at least as many as the exact test needs for such a p value. `None` if neither arm is ahead,
+/// or if the number is too large.
 pub fn ranks_needed(chance: f64, least: usize, alpha: f64) -> Option<usize> {
     let ahead = (chance - 0.5).abs();
     let normal = Normal::standard();
@@ -166,14 +166,15 @@ pub fn ranks_needed(chance: f64, least: usize, alpha: f64) -> Option<usize> {
     (needed.is_finite() && needed <= MOST as f64).then_some((needed as usize).max(least))
 }
 
-/// The fewest times that the observed outcomes must be observed for something to hold of them; `None` when
-/// there are too many.
+/// Smallest number of times that the observed outcomes must be repeated for a condition to hold; `None` if it
+/// is too large.
 pub fn times_needed(observed: usize, holds: impl Fn(usize) -> bool) -> Option<usize> {
     let most = MOST / observed.max(1);
     (1..=most).find(|times| holds(*times))
 }
 
-/// The fewest episodes whose share, when it stays as it is, lies beyond a boundary at a two-sided level.
+/// Smallest number of episodes for which the share, if it stays the same, lies beyond a boundary at a
+/// two-sided level.
 pub fn episodes_needed(share: f64, boundary: f64, alpha: f64) -> Option<usize> {
     first(1, |trials| {
         let successes = libm::round(share * trials as f64) as u64;
@@ -181,7 +182,7 @@ pub fn episodes_needed(share: f64, boundary: f64, alpha: f64) -> Option<usize> {
     })
 }
 
-/// The fewest runs per arm of which Fisher's exact test of arms that are each all alike has a p value of at
+/// Smallest number of runs per arm for which Fisher's exact test of arms without spread has a p value of at
 /// most alpha.
 pub fn alike_runs_needed(alpha: f64) -> Option<usize> {
     let mut orders = 1.0;
@@ -192,7 +193,7 @@ pub fn alike_runs_needed(alpha: f64) -> Option<usize> {
     })
 }
 
-/// The first number from `least` on for which this holds, as it then does for all larger ones.
+/// The first number from `least` on for which this holds; it must then hold for all larger ones.
 fn first(least: usize, holds: impl Fn(usize) -> bool) -> Option<usize> {
     let mut enough = least;
     while !holds(enough) {
@@ -230,7 +231,7 @@ mod tests {
         let many = runs_needed(0.15, &[1.0, 1.0], 0.05).expect("a number");
         assert!((698..=700).contains(&many), "{many}");
         assert!(of_means(0.2, &[1.0, 1.0], 200, 0.05).is_some_and(|power| (power - 0.514).abs() < 0.005));
-        // Without a distance the chance is half the level.
+        // At zero distance the probability is half the level.
         assert!((of_means(0.0, &[1.0, 1.0], 10, 0.05).expect("a power") - 0.025).abs() < 1e-4);
         assert_eq!(of_means(1.0, &[0.0, 0.0], 5, 0.05), None);
         assert_eq!(of_means(99.0, &[1.0, 1.0], 4, 0.001), Some(0.0), "below five runs no p is that small");
@@ -238,7 +239,7 @@ mod tests {
 
     #[test]
     fn the_power_of_few_and_of_unequal_runs_is_that_of_simulated_tests() {
-        // Exp. 6: 0.15 beyond the boundary, deviations of 0.03, level 0.01.
+        // Exp. 6: 0.15 beyond the boundary, standard deviations of 0.03, level 0.01.
         for runs in [[3, 3], [3, 2], [2, 2], [5, 3]] {
             let mut stream = Stream::new(&format!("test/power/{runs:?}"));
             let mut draw = |runs: usize, mean: f64| {
@@ -283,8 +284,8 @@ mod tests {
 
     #[test]
     fn the_ranked_runs_that_are_needed_have_the_power_that_they_were_computed_for() {
-        // Normal arms one deviation apart: a run of the first exceeds one of the second with a chance of 76
-        // %.
+        // Normal arms one standard deviation apart: a run of the first exceeds one of the second with a
+        // probability of 76 %.
         let runs = ranks_needed(0.760, 4, 0.05).expect("a number");
         let mut stream = Stream::new("test/power/ranks");
         let mut passes = || {
@@ -306,7 +307,8 @@ mod tests {
 
     #[test]
     fn episodes_and_alike_runs_are_counted() {
-        // 122 of 128 is the first share above 90 % of 128 episodes; of a share of 0.95, 128 or so.
+        // 122 of 128 is the first share above 90 % of 128 episodes; with a share of 0.95, about 128 are
+        // needed.
         let needed = episodes_needed(0.95, 0.9, 0.05).expect("a number");
         assert!((120..=160).contains(&needed), "{needed}");
         assert_eq!([0.1, 0.05, 0.01].map(alike_runs_needed), [Some(3), Some(4), Some(5)]);

@@ -5,7 +5,7 @@ use statrs::function::factorial::ln_binomial;
 
 use super::{Interval, normal_quantile};
 
-/// Wilson's score interval for `successes` of `trials` (Wilson 1927); the whole of [0, 1] without trials.
+/// Wilson's score interval for `successes` of `trials` (Wilson 1927); all of [0, 1] without trials.
 pub fn wilson(successes: u64, trials: u64, confidence: f64) -> Interval {
     if trials == 0 {
         return Interval { low: 0.0, high: 1.0 };
@@ -15,14 +15,14 @@ pub fn wilson(successes: u64, trials: u64, confidence: f64) -> Interval {
     let scale = 1.0 / (1.0 + z * z / n);
     let centre = scale * (share + z * z / (2.0 * n));
     let half = scale * z * libm::sqrt(share * (1.0 - share) / n + z * z / (4.0 * n * n));
-    // At the ends the formula gives exactly 0 and 1; rounding must not.
+    // At the ends the formula gives exactly 0 and 1; rounding must not change that.
     let low = if successes == 0 { 0.0 } else { centre - half };
     let high = if successes == trials { 1.0 } else { centre + half };
     Interval { low, high }
 }
 
-/// Two-sided score test of a share being `expected`, whose acceptance is Wilson's interval; `None` without
-/// trials, or when the expected share leaves no room for chance.
+/// Two-sided score test for a share being `expected`, consistent with Wilson's interval; `None` without
+/// trials, or if the expected share is 0 or 1.
 pub fn score_test(successes: u64, trials: u64, expected: f64) -> Option<f64> {
     if trials == 0 || expected <= 0.0 || expected >= 1.0 {
         return None;
@@ -42,14 +42,14 @@ pub fn mcnemar_exact(only_first: u64, only_second: u64) -> f64 {
     (2.0 * tail).min(1.0)
 }
 
-/// Two-sided Fisher exact test of two independent proportions: the sum over all tables with the same
-/// margins that are no more likely than the one seen.
+/// Two-sided Fisher exact test of two independent proportions: the sum over all tables with the same margins
+/// that are at most as likely as the observed one.
 pub fn fisher_exact(first: [u64; 2], second: [u64; 2]) -> f64 {
     let ([a, n], [b, m]) = (first, second);
     let total = a + b;
     let log_chance = |k: u64| ln_binomial(n, k) + ln_binomial(m, total - k) - ln_binomial(n + m, total);
     let seen = log_chance(a);
-    // Tables that are equally likely differ by rounding only.
+    // Equally likely tables differ by rounding only.
     let sum: f64 = (total.saturating_sub(m)..=total.min(n))
         .map(log_chance)
         .filter(|chance| *chance <= seen + 1e-7)

@@ -1,17 +1,17 @@
-//! Two samples by their order: the probability of improvement, and the exact test of Mann and Whitney with
-//! Hodges and Lehmann's shift. Infinite values are later than all others.
+//! Rank statistics of two samples: the probability of improvement, and the exact Mann-Whitney test with the
+//! Hodges-Lehmann shift. Infinite values rank above all others.
 
 use super::Interval;
 use super::summary::median;
 
-/// The share of all pairs in which the first exceeds the second, ties counting one half; `None` when a sample
+/// Share of all pairs in which the first value exceeds the second, ties counting one half; `None` if a sample
 /// is empty.
 pub fn improvement(first: &[f64], second: &[f64]) -> Option<f64> {
     let pairs = (first.len() * second.len()) as f64;
     (pairs > 0.0).then(|| wins(first, second) / pairs)
 }
 
-/// The statistic U of the first sample: pairs that it wins, ties counting one half.
+/// The statistic U of the first sample: number of pairs that it wins, ties counting one half.
 fn wins(first: &[f64], second: &[f64]) -> f64 {
     let score = |x: &f64, y: &f64| match x.total_cmp(y) {
         std::cmp::Ordering::Greater => 1.0,
@@ -21,8 +21,8 @@ fn wins(first: &[f64], second: &[f64]) -> f64 {
     first.iter().map(|x| second.iter().map(|y| score(x, y)).sum::<f64>()).sum()
 }
 
-/// The chance of each value of U for samples of n and m from one continuous distribution (Mann and Whitney
-/// 1947).
+/// The probability of each value of U for samples of n and m values from the same continuous distribution
+/// (Mann and Whitney 1947).
 pub fn distribution(n: usize, m: usize) -> Vec<f64> {
     // The Gaussian binomial coefficient: multiply by 1 - q^(m+i), divide by 1 - q^i.
     let mut counts = vec![0.0; n * m + 1];
@@ -39,8 +39,8 @@ pub fn distribution(n: usize, m: usize) -> Vec<f64> {
     counts.iter().map(|count| count / total).collect()
 }
 
-/// Two-sided p value of the two samples coming from one distribution; `None` when one is empty. With ties it
-/// is conservative.
+/// Two-sided p value for both samples having the same distribution; `None` if one is empty. Conservative with
+/// ties.
 pub fn mann_whitney(first: &[f64], second: &[f64]) -> Option<f64> {
     let (n, m) = (first.len(), second.len());
     if n == 0 || m == 0 {
@@ -52,13 +52,13 @@ pub fn mann_whitney(first: &[f64], second: &[f64]) -> Option<f64> {
     Some((2.0 * tail).min(1.0))
 }
 
-/// Hodges and Lehmann's shift of the first sample over the second: the median of all pairwise differences;
-/// `None` when a sample is empty.
+/// The Hodges-Lehmann shift of the first sample over the second: the median of all pairwise differences;
+/// `None` if a sample is empty.
 pub fn shift(first: &[f64], second: &[f64]) -> Option<f64> {
     median(&differences(first, second))
 }
 
-/// The exact interval of the shift: the differences that the two-sided test would not reject. `None` when the
+/// The exact interval of the shift: the differences that the two-sided test does not reject. `None` if the
 /// samples are too small for this confidence.
 pub fn shift_interval(first: &[f64], second: &[f64], confidence: f64) -> Option<Interval> {
     let tail = 0.5 - 0.5 * confidence;
@@ -72,8 +72,8 @@ pub fn shift_interval(first: &[f64], second: &[f64], confidence: f64) -> Option<
     (cut > 0).then(|| Interval { low: differences[cut - 1], high: differences[differences.len() - cut] })
 }
 
-/// All differences of a value of the first and one of the second, sorted. Two infinite values differ by
-/// nothing.
+/// All differences between a value of the first and one of the second, sorted. Two infinite values have the
+/// difference zero.
 fn differences(first: &[f64], second: &[f64]) -> Vec<f64> {
     let difference = |x: f64, y: f64| if x == y { 0.0 } else { x - y };
     let mut all: Vec<f64> =

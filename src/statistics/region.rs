@@ -1,13 +1,13 @@
-//! Where a claim expects the estimate, and whether an interval lies there.
+//! The region in which a claim expects the estimate, and whether an interval lies in it.
 
 use super::Interval;
 use crate::kinds::statistic::{Method, StatisticKind};
 use crate::spec::claim::{Claim, Operand, Relation};
 
-/// Where a claim expects the estimate.
+/// The region in which a claim expects the estimate.
 #[derive(Clone, Copy, Debug)]
 pub struct Region {
-    /// Where equality lies: 0, the claim's number or the distance that it adds to an arm, or one half.
+    /// The point of equality: 0, the claim's number or the difference that it adds to an arm, or one half.
     centre: f64,
     relation: Relation,
     /// Distance of the boundary from the centre: the margin, or the tolerance of `==`.
@@ -15,7 +15,7 @@ pub struct Region {
 }
 
 impl Region {
-    /// What a claim expects of the estimate of its test.
+    /// The region that a claim expects for the estimate of its test.
     pub fn of(claim: &Claim, statistic: &StatisticKind) -> Self {
         let centre = match (&claim.expect.right, statistic.method) {
             (Operand::Number(number), _) => number.si,
@@ -27,12 +27,12 @@ impl Region {
         Self { centre, relation: claim.expect.relation, distance }
     }
 
-    /// Where equality lies.
+    /// The point of equality.
     pub fn centre(&self) -> f64 {
         self.centre
     }
 
-    /// A number inside the region or at its end: the boundary, of a range the middle.
+    /// A number inside the region or at its end: the boundary, or the middle of a range.
     pub fn boundary(&self) -> f64 {
         match self.bounds() {
             (Some(bound), None) | (None, Some(bound)) => bound,
@@ -40,9 +40,9 @@ impl Region {
         }
     }
 
-    /// Two-sided p value for the claim: that of the boundary which the estimate must lie beyond, of a range
-    /// the larger of both (two one-sided tests); 1 when the estimate is not there. `p` is that of the true
-    /// value being a number.
+    /// Two-sided p value for the claim: for the boundary that the estimate must exceed, or for a range the
+    /// larger one of both boundaries (two one-sided tests); 1 if the estimate is outside. `p` is the p value
+    /// for the true value being a given number.
     pub fn p_for(&self, value: f64, p: impl Fn(f64) -> Option<f64>) -> Option<f64> {
         let (low, high) = self.bounds();
         let low = low.map(|low| if value > low { p(low) } else { Some(1.0) });
@@ -50,7 +50,7 @@ impl Region {
         [low, high].into_iter().flatten().try_fold(0.0, |largest: f64, p| Some(largest.max(p?)))
     }
 
-    /// Two-sided p value for the opposite: the estimate lies beyond a boundary on the other side.
+    /// Two-sided p value for the opposite: the estimate lies on the other side of a boundary.
     pub fn p_against(&self, value: f64, p: impl Fn(f64) -> Option<f64>) -> Option<f64> {
         let (low, high) = self.bounds();
         let low = low.filter(|low| value < *low);
@@ -58,7 +58,7 @@ impl Region {
         low.or(high).map_or(Some(1.0), p)
     }
 
-    /// The lower boundary of what is expected, if it has one, and the upper.
+    /// The lower boundary of the region, if it has one, and the upper.
     pub fn bounds(&self) -> (Option<f64>, Option<f64>) {
         let (centre, distance) = (self.centre, self.distance);
         match self.relation {
@@ -70,7 +70,7 @@ impl Region {
         }
     }
 
-    /// Whether the whole interval lies where it is expected; a boundary that it touches is not crossed.
+    /// Whether the whole interval lies in the region; touching a boundary counts as inside.
     pub fn holds(&self, interval: Interval) -> bool {
         let (low, high) = self.bounds();
         low.is_none_or(|low| interval.low > low) && high.is_none_or(|high| interval.high < high)

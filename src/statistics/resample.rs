@@ -1,4 +1,4 @@
-//! Percentile bootstrap of any estimate over stratified samples: runs are resampled with replacement inside
+//! Percentile bootstrap of any estimate over stratified samples: runs are resampled with replacement within
 //! their stratum (Agarwal et al. 2021). All draws come from one named stream.
 
 use super::Interval;
@@ -6,14 +6,14 @@ use super::rank::improvement;
 use super::summary::{interquartile_mean, mean, quantile_of_sorted};
 use crate::stream::Stream;
 
-/// Resamples behind the interval of a number or a claim. The ends then wander by less than a hundredth of the
-/// interval's width when the stream changes.
+/// Number of resamples for an interval. Its ends then vary by less than a hundredth of its width between
+/// streams.
 pub const RESAMPLES: usize = 10_000;
 
 /// Runs by stratum.
 pub type Strata = Vec<Vec<f64>>;
 
-/// The mean over the strata of their means; `None` when a stratum is empty.
+/// The mean over the strata of their means; `None` if a stratum is empty.
 pub fn mean_of(strata: &[Vec<f64>]) -> Option<f64> {
     let means: Option<Vec<f64>> = strata.iter().map(|stratum| mean(stratum)).collect();
     mean(&means?)
@@ -29,7 +29,7 @@ pub fn iqm_of(strata: &[Vec<f64>]) -> Option<f64> {
 pub struct Draws(Vec<f64>);
 
 impl Draws {
-    /// Resamples one or two stratified samples. `None` when a stratum has fewer than two values, or the
+    /// Resamples one or two stratified samples. `None` if a stratum has fewer than two values, or the
     /// estimate does not exist.
     pub fn new(
         sides: &[Strata],
@@ -63,9 +63,9 @@ impl Draws {
     }
 
     /// The two-sided p value of the estimate being `boundary`: the level at which the percentile interval
-    /// begins to hold it. Twice the smaller share of resamples on either side of it, those on it counting for
-    /// both, the sample itself counted as one more resample (Davison and Hinkley 1997, section 4.4), so that
-    /// it is never zero.
+    /// begins to contain it. Twice the smaller share of resamples on either side of the boundary, those on it
+    /// counting for both; the sample itself counts as one more resample (Davison and Hinkley 1997, section
+    /// 4.4), so the p value is never zero.
     pub fn p(&self, boundary: f64) -> f64 {
         let below = self.0.partition_point(|value| *value < boundary);
         let above = self.0.len() - self.0.partition_point(|value| *value <= boundary);
@@ -75,7 +75,7 @@ impl Draws {
     }
 }
 
-/// The percentile interval of an estimate of one or two stratified samples. `None` when a stratum has fewer
+/// The percentile interval of an estimate of one or two stratified samples. `None` if a stratum has fewer
 /// than two values, or the estimate does not exist.
 pub fn percentile(
     sides: &[Strata],
@@ -86,7 +86,7 @@ pub fn percentile(
     Draws::new(sides, estimate, stream)?.interval(confidence)
 }
 
-/// The difference of a summary of the first and of the second side, or the summary of the only side.
+/// The difference between a summary of the first and of the second side, or the summary of a single side.
 pub fn contrast(sides: &[Strata], summary: fn(&[Vec<f64>]) -> Option<f64>) -> Option<f64> {
     match sides {
         [one] => summary(one),
@@ -130,7 +130,7 @@ mod tests {
             let p = draws.p(boundary);
             for level in [0.9, 0.5, 0.2, 0.05, 0.01] {
                 let outside = !draws.interval(1.0 - level).expect("an interval").contains(boundary);
-                // At the level itself the two may differ by a resample.
+                // Exactly at the level the two may differ by one resample.
                 assert!((p < level) == outside || (p - level).abs() < 0.01, "{boundary} {level} {p}");
             }
         }

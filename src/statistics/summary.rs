@@ -5,7 +5,7 @@ pub fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-/// The standard deviation with n - 1; `None` below two values.
+/// The standard deviation (divisor n - 1); `None` with fewer than two values.
 pub fn deviation(values: &[f64]) -> Option<f64> {
     let centre = mean(values)?;
     let squares: f64 = values.iter().map(|value| (value - centre) * (value - centre)).sum();
@@ -20,14 +20,14 @@ pub fn quantile(values: &[f64], share: f64) -> Option<f64> {
     quantile_of_sorted(&sorted, share)
 }
 
-/// [`quantile`] of a sample that is sorted already.
+/// [`quantile`] of a sorted sample.
 pub fn quantile_of_sorted(sorted: &[f64], share: f64) -> Option<f64> {
     let last = sorted.len().checked_sub(1)?;
     let place = share.clamp(0.0, 1.0) * last as f64;
     let index = place as usize;
     let (this, next) = (sorted[index], sorted[(index + 1).min(last)]);
     let share = place - index as f64;
-    // Infinite values have no differences.
+    // Infinite values cannot be interpolated.
     Some(if share == 0.0 || this == next { this } else { this + share * (next - this) })
 }
 

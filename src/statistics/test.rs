@@ -12,17 +12,17 @@ use crate::kinds::statistic::{FEW, Method, SMALLEST_OF_FEW, Unit};
 use crate::spec::claim::Summary;
 use crate::stream::Stream;
 
-/// What a comparison is computed from; the left side of the expectation comes first.
+/// The data of a comparison; the left side of the expectation comes first.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Sample {
     /// The values of the runs.
     Runs {
         /// By side and stratum.
         sides: Vec<Strata>,
-        /// The fewest episodes behind a run's value where that is a share of episodes.
+        /// Smallest number of episodes behind a run's value, if that is a share of episodes.
         episodes: Option<usize>,
     },
-    /// The values of the episodes of one policy a side, and whether the episodes are the same.
+    /// The values of the episodes of one policy per side, and whether the episodes are paired.
     Episodes {
         /// By side.
         sides: Vec<Vec<f64>>,
@@ -32,7 +32,7 @@ pub enum Sample {
 }
 
 impl Sample {
-    /// Runs that are not shares of episodes.
+    /// Runs whose values are not shares of episodes.
     pub fn of_runs(sides: Vec<Strata>) -> Self {
         Self::Runs { sides, episodes: None }
     }
@@ -41,30 +41,30 @@ impl Sample {
 /// A test of a claim on one sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Test<'a> {
-    /// What is computed.
+    /// The computed quantity.
     pub method: Method,
-    /// What runs are summarised by.
+    /// Summary of the runs.
     pub summary: Summary,
-    /// Whether the strata of a side are the points of a trend, whose slope is taken in place of their mean.
+    /// Whether the strata of a side are the points of a trend; then its slope replaces their mean.
     pub trend: bool,
-    /// By what the second side is multiplied before it is subtracted from the first.
+    /// Factor on the second side before it is subtracted from the first.
     pub factor: f64,
-    /// What is measured; names the random stream.
+    /// Name of the metric; part of the random stream's name.
     pub name: &'a str,
 }
 
-/// What a test says of a sample whatever it is compared with.
+/// Result of a test on a sample, whatever it is compared with.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
     /// Observations of each side.
     pub n: Vec<usize>,
-    /// Those of the smallest sample that is taken by itself: a stratum of runs, or the episodes of a side.
+    /// Size of the smallest separate sample: a stratum of runs, or the episodes of a side.
     pub fewest: usize,
     /// The value of each side.
     pub sides: Vec<Option<f64>>,
-    /// What is compared with the boundary.
+    /// The number that is compared with the boundary.
     pub value: Option<f64>,
-    /// What must be known of it; may be empty.
+    /// A remark for the reader; may be empty.
     pub remark: String,
 }
 
@@ -82,7 +82,7 @@ impl Test<'_> {
         Measured { n, fewest: fewest(sample), value: self.value(sample), sides, remark }
     }
 
-    /// The value of each side by itself.
+    /// The value of each side.
     fn sides(&self, sample: &Sample) -> Vec<Option<f64>> {
         match sample {
             Sample::Runs { sides, .. } => sides.iter().map(|strata| self.summarised(strata)).collect(),
@@ -172,7 +172,7 @@ impl Test<'_> {
         sample
     }
 
-    /// The estimates of the resamples, where the test is a bootstrap and the sample is large enough.
+    /// The estimates of the resamples, if the test is a bootstrap and the sample is large enough.
     fn draws(&self, sample: &Sample) -> Option<Draws> {
         let mut stream = Stream::new(&format!("report/bootstrap/{}", self.name));
         match (self.method, sample) {
@@ -196,7 +196,7 @@ impl Test<'_> {
         }
     }
 
-    /// The interval of this confidence; `None` when the sample gives none.
+    /// The interval with this confidence; `None` if the sample does not allow one.
     pub fn interval(&self, sample: &Sample, confidence: f64) -> Option<Interval> {
         let scaled = self.scaled(sample);
         match (self.method, &scaled) {
@@ -230,8 +230,8 @@ impl Test<'_> {
         }
     }
 
-    /// Two-sided p value of the estimate being `boundary`; `None` when the sample gives none. Of a test over
-    /// few runs it is at least [`SMALLEST_OF_FEW`].
+    /// Two-sided p value of the estimate being `boundary`; `None` if the sample does not allow one. For few
+    /// runs it is at least [`SMALLEST_OF_FEW`].
     pub fn p(&self, sample: &Sample, boundary: f64) -> Option<f64> {
         let p = self.exact_p(&self.scaled(sample), boundary)?;
         let is_of_few = self.method.unit() == Unit::Seed && fewest(sample) < FEW;
@@ -251,7 +251,8 @@ impl Test<'_> {
         match (self.method, sample) {
             (Method::Welch, Sample::Runs { sides, .. }) => self.student(sides)?.p(boundary),
             (Method::MannWhitney, _) => order(runs(sample)?, boundary),
-            // Percentile intervals of samples that are apart have no width; their order still has a p value.
+            // Percentile intervals of samples that do not overlap have no width; their order still has a p
+            // value.
             (Method::ProbabilityOfImprovement, Sample::Runs { sides, .. }) => {
                 let drawn = self.draws(sample)?.p(boundary);
                 let ordered = if sides.iter().all(|strata| strata.len() == 1) && boundary == 0.5 {
@@ -269,7 +270,7 @@ impl Test<'_> {
                 let [successes, trials] = count(sides.first()?);
                 let is_at_the_boundary = trials > 0 && successes as f64 == boundary * trials as f64;
                 match score_test(successes, trials, boundary) {
-                    // A share that leaves no room for chance is refuted by one episode.
+                    // An expected share of 0 or 1 is refuted by a single episode.
                     None => (trials > 0).then_some(if is_at_the_boundary { 1.0 } else { 0.0 }),
                     p => p,
                 }
@@ -287,7 +288,7 @@ impl Test<'_> {
         }
     }
 
-    /// What must be known of the sample.
+    /// A remark on the sample.
     fn remark(&self, sample: &Sample) -> &'static str {
         match (self.method, sample) {
             (Method::Mcnemar, Sample::Episodes { paired: false, .. }) => {
@@ -311,7 +312,7 @@ impl Test<'_> {
         }
     }
 
-    /// The sample of a mean over runs, when they have no spread.
+    /// The sample of a mean over runs if they have no spread.
     fn alike<'s>(&self, sample: &'s Sample) -> Option<Alike<'s>> {
         match (self.method, sample) {
             (Method::Welch | Method::StratifiedBootstrap, Sample::Runs { sides, episodes }) => {
@@ -322,13 +323,13 @@ impl Test<'_> {
     }
 }
 
-/// The p value of the order of the runs, the first side moved by the boundary.
+/// The p value for the order of the runs, with the first side shifted by the boundary.
 fn order([first, second]: [Vec<f64>; 2], boundary: f64) -> Option<f64> {
     let moved: Vec<f64> = first.iter().map(|value| value - boundary).collect();
     rank::mann_whitney(&moved, &second)
 }
 
-/// The size of the smallest sample that is taken by itself.
+/// Size of the smallest separate sample.
 fn fewest(sample: &Sample) -> usize {
     let sizes = match sample {
         Sample::Runs { sides, .. } => sides.iter().flatten().map(Vec::len).min(),
@@ -337,7 +338,7 @@ fn fewest(sample: &Sample) -> usize {
     sizes.unwrap_or(0)
 }
 
-/// The runs of two sides; `None` when there are not two, or one is empty.
+/// The runs of two sides; `None` if there are not two, or one is empty.
 fn runs(sample: &Sample) -> Option<[Vec<f64>; 2]> {
     let Sample::Runs { sides, .. } = sample else { return None };
     let [first, second] = sides.as_slice() else { return None };

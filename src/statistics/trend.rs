@@ -1,31 +1,31 @@
-//! The trend of means over ordered points: the slope of the least-squares line, per point, when the points
-//! lie equally far apart and each counts alike.
+//! The trend of means over ordered points: the slope per point of the least-squares line over equally spaced
+//! points with equal weights.
 
 use super::Interval;
 use super::proportion::wilson;
 
-/// The places of so many points about their middle.
+/// The coordinates of these points relative to their middle.
 fn places(points: usize) -> impl Iterator<Item = f64> {
     let middle = 0.5 * (points as f64 - 1.0);
     (0..points).map(move |point| point as f64 - middle)
 }
 
-/// The weights of the means of so many points in the slope; none for fewer than two.
+/// The weights of the points' means in the slope; empty for fewer than two.
 pub fn weights(points: usize) -> Vec<f64> {
     let squares: f64 = places(points).map(|place| place * place).sum();
     if squares == 0.0 { Vec::new() } else { places(points).map(|place| place / squares).collect() }
 }
 
-/// The slope of values at equally distant points; `None` for fewer than two. Equal values have a slope of
-/// exactly zero, since the places add up to zero without rounding.
+/// The slope of values at equally spaced points; `None` for fewer than two. Equal values have a slope of
+/// exactly zero, because the coordinates sum to zero without rounding.
 pub fn slope(values: &[f64]) -> Option<f64> {
     let squares: f64 = places(values.len()).map(|place| place * place).sum();
     let sum: f64 = places(values.len()).zip(values).map(|(place, value)| place * value).sum();
     (squares > 0.0).then(|| sum / squares)
 }
 
-/// The interval of the slope of shares from the Wilson intervals of each point's successes and trials (Zou
-/// and Donner 2008, of whose intervals Newcombe's hybrid score interval is that of two points).
+/// The interval of the slope of shares from the Wilson intervals of each point (Zou and Donner 2008; with two
+/// points it is Newcombe's hybrid score interval).
 pub fn of_shares(counts: &[[u64; 2]], confidence: f64) -> Option<Interval> {
     let weights = weights(counts.len());
     let share = |[successes, trials]: [u64; 2]| successes as f64 / trials as f64;
@@ -64,7 +64,7 @@ mod tests {
             (ours.low - newcombe.low).abs() < 1e-12 && (ours.high - newcombe.high).abs() < 1e-12,
             "{ours:?}"
         );
-        // Of five points that all survive: no slope, and little room for one.
+        // Five points at which all survive: the slope is zero with a narrow interval.
         let level = of_shares(&[[150, 150]; 5], 0.95).expect("an interval");
         assert!(level.low < 0.0 && level.high > 0.0 && level.high - level.low < 0.03, "{level:?}");
     }

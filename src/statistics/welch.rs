@@ -6,7 +6,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use super::Interval;
 use super::summary::{deviation, mean};
 
-/// An estimate that has a t distribution about its true value.
+/// An estimate with a t distribution around its true value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// The mean, or the difference of the means.
@@ -17,19 +17,19 @@ pub struct Estimate {
     pub freedom: f64,
 }
 
-/// The mean of one sample; `None` below two values or without any spread.
+/// The mean of one sample; `None` with fewer than two values or without any spread.
 pub fn one(values: &[f64]) -> Option<Estimate> {
     contrast(&[(1.0, values)])
 }
 
-/// The difference of two means, first minus second, with Satterthwaite's degrees of freedom; `None` when a
+/// The difference of two means, first minus second, with Satterthwaite's degrees of freedom; `None` if a
 /// sample has fewer than two values or neither has any spread.
 pub fn two(first: &[f64], second: &[f64]) -> Option<Estimate> {
     contrast(&[(1.0, first), (-1.0, second)])
 }
 
-/// A weighted sum of the means of independent samples with variances of their own (Welch 1947), with
-/// Satterthwaite's degrees of freedom; `None` when a sample has fewer than two values or none has any spread.
+/// A weighted sum of the means of independent samples with unequal variances (Welch 1947), with
+/// Satterthwaite's degrees of freedom; `None` if a sample has fewer than two values or none has any spread.
 pub fn contrast(samples: &[(f64, &[f64])]) -> Option<Estimate> {
     let (mut value, mut variance, mut inverse_freedom) = (0.0, 0.0, 0.0);
     for (weight, values) in samples {
@@ -47,7 +47,7 @@ pub fn contrast(samples: &[(f64, &[f64])]) -> Option<Estimate> {
 }
 
 impl Estimate {
-    /// The interval of this confidence.
+    /// The interval with this confidence.
     pub fn interval(&self, confidence: f64) -> Option<Interval> {
         let t = StudentsT::new(0.0, 1.0, self.freedom).ok()?.inverse_cdf(0.5 + 0.5 * confidence);
         Some(Interval { low: self.value - t * self.error, high: self.value + t * self.error })

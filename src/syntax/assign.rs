@@ -1,16 +1,16 @@
-//! `--set path=value`: an assignment on the command line as a small tree, to be merged over a spec.
+//! `--set path=value`: an assignment on the command line as a small tree that is merged over a spec.
 
 use super::parse::parse_value;
 use super::tree::{Entry, Item, Layer, Map, Node};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 
-/// Parses an assignment. The value is TOML; what is no TOML value is taken as a string, so that
-/// `--set action.kind=torque` and `--set "action.std=10 %"` need no second quotes.
+/// Parses an assignment. The value is TOML; anything else is taken as a string, so that `--set
+/// action.kind=torque` and `--set "action.std=10 %"` need no inner quotes.
 pub fn assignment(argument: &str, sources: &mut Sources, sink: &mut Sink) -> Option<Map> {
     assignment_of("--set", argument, sources, sink)
 }
 
-/// The same for an option that stands for a key; messages point into the option.
+/// The same for an option that sets a key; messages refer to the option.
 pub fn assignment_of(option: &str, argument: &str, sources: &mut Sources, sink: &mut Sink) -> Option<Map> {
     let source = sources.add(option, argument);
     let whole = Span { source, start: 0, end: argument.len() };
@@ -27,9 +27,7 @@ pub fn assignment_of(option: &str, argument: &str, sources: &mut Sources, sink: 
         let name = key.trim();
         if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-')) {
             let path = Span { source, start: 0, end: equals };
-            sink.emit(
-                Diagnostic::error("E0607", "the path of an assignment is keys joined by points").at(path, ""),
-            );
+            sink.emit(Diagnostic::error("E0607", "an assignment's path is keys joined by dots").at(path, ""));
             return None;
         }
         keys.push((name.to_owned(), Span { source, start, end: start + name.len() }));

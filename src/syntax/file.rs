@@ -1,5 +1,5 @@
-//! Reads text files for the front half: missing files (E0004), bytes that are not UTF-8 (E0005), folders and
-//! unreasonably large files (E0006), pipes and devices (E0007) are diagnostics, not panics.
+//! Reads text files for the compiler's front end: missing files (E0004), bytes that are not UTF-8 (E0005),
+//! folders and unreasonably large files (E0006), pipes and devices (E0007) are diagnostics, not panics.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use super::files::Files;
 use crate::bounded::{ReadError, WRITTEN as LARGEST};
 use crate::diag::Diagnostic;
 
-/// Reads a text. The diagnostic has no place yet; the caller knows who asked for the file.
+/// Reads a text. The diagnostic has no location yet; the caller knows where the file is named.
 pub fn read(files: &dyn Files, path: &Path) -> Result<String, Diagnostic> {
     let bytes = files.bytes(path, LARGEST).map_err(|error| refused(files, path, &error))?;
     String::from_utf8(bytes).map_err(|error| {
@@ -16,7 +16,7 @@ pub fn read(files: &dyn Files, path: &Path) -> Result<String, Diagnostic> {
     })
 }
 
-/// The diagnostic for a text that was not read.
+/// The diagnostic for a text that could not be read.
 pub fn refused(files: &dyn Files, path: &Path, error: &ReadError) -> Diagnostic {
     let shown = path.display();
     let unreadable = |code| Diagnostic::error(code, format!("cannot read `{shown}`: {error}"));
@@ -45,14 +45,14 @@ pub fn refused(files: &dyn Files, path: &Path, error: &ReadError) -> Diagnostic 
     }
 }
 
-/// The folder below which all specs of a project are.
+/// The folder of all specs of a project.
 const SPECS: &str = "specs";
-/// Names at most that are looked at for a file of the same name.
+/// Largest number of names that are searched for a file of the same name.
 const MOST_NAMES: usize = 20_000;
-/// Files of the same name that are told.
+/// Largest number of files of the same name that are listed.
 const TOLD: usize = 3;
 
-/// Where below the project's specs there are files of a missing one's name, as advice.
+/// Files below the project's specs with the same name as a missing one, as advice.
 pub fn elsewhere(files: &dyn Files, path: &Path) -> Option<String> {
     let name = path.file_name()?.to_str()?;
     let missing = files.absolute(path);
@@ -80,7 +80,7 @@ pub fn elsewhere(files: &dyn Files, path: &Path) -> Option<String> {
     (!shown.is_empty()).then(|| format!("there is a file of that name: {}", shown.join(", ")))
 }
 
-/// A file in the folder of a missing one whose name is close to it.
+/// A file with a similar name in the folder of a missing one.
 fn neighbour(files: &dyn Files, path: &Path) -> Option<String> {
     let name = path.file_name()?.to_str()?;
     let distance = |other: &String| strsim::damerau_levenshtein(name, other);

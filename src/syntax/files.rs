@@ -1,5 +1,5 @@
-//! Where texts come from: the disk, or what an editor holds of it. The front half reads files only through
-//! [`Files`], so that it can be called for texts that are written nowhere.
+//! Sources of texts: the disk, or an editor's buffers. The compiler's front end reads files only through
+//! [`Files`], so that it also works on texts that are not saved.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -8,10 +8,10 @@ use std::sync::Arc;
 
 use crate::bounded::{self, ReadError};
 
-/// What a path leads to.
+/// What a path refers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sort {
-    /// Anything that is no folder; only reading it tells whether it can be read.
+    /// Anything but a folder; whether it is readable shows only when it is read.
     File,
     /// A folder.
     Folder,
@@ -19,19 +19,19 @@ pub enum Sort {
 
 /// A source of files.
 pub trait Files: Sync {
-    /// What a path leads to.
+    /// What a path refers to.
     fn sort(&self, path: &Path) -> io::Result<Sort>;
 
     /// The bytes of a file, if these are no more than `limit`.
     fn bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>, ReadError>;
 
-    /// The names in a folder, sorted; none when there is no such folder.
+    /// The sorted names in a folder; empty if the folder does not exist.
     fn names(&self, folder: &Path) -> Vec<String>;
 
     /// The path from the root of the file system.
     fn absolute(&self, path: &Path) -> PathBuf;
 
-    /// What makes two paths the same file.
+    /// A key that is equal for paths to the same file.
     fn identity(&self, path: &Path) -> PathBuf;
 
     /// Whether there is a file.
@@ -77,7 +77,7 @@ impl Files for Disk {
     }
 }
 
-/// No files at all: below an [`Overlay`], a world that is held in memory.
+/// No files at all: with an [`Overlay`], a file system in memory.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Nowhere;
 
@@ -103,7 +103,7 @@ impl Files for Nowhere {
     }
 }
 
-/// Texts that lie over other files, such as those that an editor has not saved yet.
+/// Texts that replace files, for example unsaved editor buffers.
 #[derive(Clone, Debug)]
 pub struct Overlay<F> {
     below: F,
@@ -116,12 +116,12 @@ impl<F: Files> Overlay<F> {
         Self { below, texts: BTreeMap::new() }
     }
 
-    /// Holds a text, in place of the file of that path if there is one.
+    /// Adds a text, which replaces the file at that path if there is one.
     pub fn hold(&mut self, path: &Path, text: impl Into<Arc<str>>) {
         self.texts.insert(self.key(path), text.into());
     }
 
-    /// Holds the text of a path no longer: its file counts again.
+    /// Removes the text of a path, so that its file is used again.
     pub fn release(&mut self, path: &Path) {
         self.texts.remove(&self.key(path));
     }
@@ -130,7 +130,7 @@ impl<F: Files> Overlay<F> {
         plain(&self.below.absolute(path))
     }
 
-    /// The held texts below a folder, as paths from there.
+    /// The overlaid texts below a folder, as relative paths.
     fn inside(&self, folder: &Path) -> impl Iterator<Item = &Path> {
         let folder = self.key(folder);
         self.texts.keys().filter_map(move |path| path.strip_prefix(&folder).ok())
@@ -177,7 +177,7 @@ impl<F: Files> Files for Overlay<F> {
     }
 }
 
-/// A path without `.` and, where it can be, without `..`.
+/// A path without `.` and, if possible, without `..`.
 pub fn plain(path: &Path) -> PathBuf {
     let mut plain = PathBuf::new();
     for part in path.components() {

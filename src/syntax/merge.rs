@@ -1,20 +1,20 @@
-//! Inheritance on trees: tables merge by key, arrays and scalars replace, and a changed `kind`
-//! replaces the whole table.
+//! Inheritance on trees: tables merge by key, arrays and scalars replace, and a changed `kind` replaces the
+//! whole table.
 
 use super::tree::{Entry, Item, Map, Node};
 
-/// The key sets of tables that are one value in several forms, such as `{ uniform = ... }` and
-/// `{ normal = ... }`. A form replaces another form instead of merging with it.
+/// Key sets of tables that are alternative forms of one value, such as `{ uniform = ... }` and `{ normal =
+/// ... }`. A form replaces another form instead of merging with it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Forms {
     /// For each value, the keys of each of its forms.
     pub values: Vec<Vec<Vec<&'static str>>>,
-    /// Keys inside sections below which named terms stand, as below a section: `evaluate.NAME.randomize`.
+    /// Keys inside sections that contain named terms, as a section does: `evaluate.NAME.randomize`.
     pub terms: Vec<&'static str>,
 }
 
 impl Forms {
-    /// Whether both tables are forms of one value, and different ones.
+    /// Whether both tables are forms of the same value, and different ones.
     fn differ(&self, below: &Map, above: &Map) -> bool {
         let form = |forms: &[Vec<&str>], map: &Map| {
             let holds = |form: &Vec<&str>| map.entries.keys().all(|key| form.contains(&key.as_str()));
@@ -32,11 +32,11 @@ pub fn merge(parent: &mut Map, child: &Map, forms: &Forms) {
     merge_at(parent, child, forms, Place { depth: 0, terms: false });
 }
 
-/// Where tables are that merge.
+/// Position of the tables that are merged.
 #[derive(Clone, Copy)]
 struct Place {
-    /// Sections are at 0, named terms at 1. The tables of a profile are as deep as the tables that they lie
-    /// over.
+    /// Sections have depth 0, named terms 1. The tables of a profile have the depth of the tables that they
+    /// overlay.
     depth: i32,
     /// Whether the tables here are named terms inside a section.
     terms: bool,
@@ -85,9 +85,8 @@ fn merge_entry(old: &mut Entry, (key, new): (&str, &Entry), forms: &Forms, place
     }
 }
 
-/// Whether a table says that it is of another kind than the one below it. Named terms (one level
-/// below their section, or below a key that holds terms) are of the kind of their name unless they say
-/// otherwise.
+/// Whether a table has another kind than the one below it. The kind of a named term (one level below its
+/// section, or below a key that contains terms) is its name unless it sets `kind`.
 fn kind_changes(below: &Map, above: &Map, key: &str, place: Place) -> bool {
     let named = (place.depth == 1 || place.terms).then_some(key);
     let Some(above) = above.get("kind").and_then(Node::text) else {
@@ -126,7 +125,7 @@ mod tests {
         result
     }
 
-    /// The tree without places, for comparison.
+    /// The tree without locations, for comparison.
     fn shape(map: &Map) -> String {
         fn show(node: &Node) -> String {
             match &node.item {
@@ -209,7 +208,7 @@ mod tests {
         assert!(!reward.get("b").and_then(Node::table).expect("b").inherited);
     }
 
-    /// Small random documents over few keys, so that they collide.
+    /// Small random documents over few keys, so that keys collide.
     fn document() -> impl Strategy<Value = String> {
         proptest::collection::btree_map((0..3usize, 0..3usize), 0..9u8, 0..7).prop_map(|cells| {
             cells.iter().map(|((table, key), value)| format!("t{table}.k{key} = {value}\n")).collect()

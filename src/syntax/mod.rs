@@ -1,4 +1,4 @@
-//! TOML to a spanned tree, inheritance, and assignments. Knows nothing about robots.
+//! TOML to a spanned tree, inheritance, and assignments. Independent of robots.
 
 pub mod assign;
 pub mod file;

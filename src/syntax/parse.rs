@@ -1,5 +1,4 @@
-//! TOML text to the spanned tree, with all syntax errors of the text (E0001) and all keys that stand
-//! twice (E0104).
+//! TOML text to the spanned tree, with all syntax errors of the text (E0001) and all repeated keys (E0104).
 
 use std::ops::Range;
 
@@ -9,10 +8,10 @@ use toml::de::{DeTable, DeValue};
 use super::tree::{Entry, Item, Layer, Map, Node, Number};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 
-/// Most values of a document, tables and lists among them.
+/// Largest number of values in a document, including tables and lists.
 const MOST_VALUES: usize = 50_000;
 
-/// Parses a document that was added to `sources`. `None` after a syntax error.
+/// Parses a document in `sources`. `None` after a syntax error.
 pub fn parse(sources: &Sources, source: SourceId, sink: &mut Sink) -> Option<Node> {
     let text = &*sources.get(source).text;
     let (tree, mut errors) = DeTable::parse_recoverable(text);
@@ -24,7 +23,7 @@ pub fn parse(sources: &Sources, source: SourceId, sink: &mut Sink) -> Option<Nod
             sink.emit(
                 error
                     .at(place, "one too many")
-                    .help("specs and robots have some hundreds: is this the file meant?"),
+                    .help("specs and robots have a few hundred: is this the right file?"),
             );
             return None;
         }
@@ -35,7 +34,7 @@ pub fn parse(sources: &Sources, source: SourceId, sink: &mut Sink) -> Option<Nod
     None
 }
 
-/// Parses one TOML value, for example the default of a key. The value stands at `offset` of the source.
+/// Parses one TOML value, for example the default of a key. The value begins at `offset` of the source.
 pub fn parse_value(text: &str, source: SourceId, offset: usize) -> Result<Node, String> {
     let value = DeValue::parse(text).map_err(|error| error.message().to_owned())?;
     let mut node = node(&value, source);
@@ -43,14 +42,14 @@ pub fn parse_value(text: &str, source: SourceId, offset: usize) -> Result<Node, 
     Ok(node)
 }
 
-/// The place of the first value of a file for which there is no room.
+/// The location of the first value beyond the limit.
 fn one_too_many(table: &DeTable<'_>) -> Option<Range<usize>> {
     let mut places = Vec::new();
     places_in(table, &mut places);
     if places.len() <= MOST_VALUES {
         return None;
     }
-    // Tables are sorted by their keys, not as they are written.
+    // Tables are sorted by their keys, not by their order in the text.
     places.sort_by_key(|place| place.start);
     places.into_iter().nth(MOST_VALUES)
 }
@@ -79,7 +78,7 @@ fn report(text: &str, source: SourceId, errors: &[toml::de::Error], sink: &mut S
         let span = error.span().unwrap_or(text.len()..text.len());
         let place = Span { source, start: span.start.min(text.len()), end: span.end.min(text.len()) };
         if error.message() != "duplicate key" {
-            // The parser goes on after a mistake and may stumble again in the same line.
+            // The parser continues after a mistake and may report another one in the same line.
             let line = line_of(text, place.start);
             if broken.replace(line.start) != Some(line.start) {
                 let diagnostic = Diagnostic::error("E0001", format!("TOML syntax: {}", error.message()));
@@ -92,7 +91,7 @@ fn report(text: &str, source: SourceId, errors: &[toml::de::Error], sink: &mut S
             }
             continue;
         }
-        // The keys of a table that stands twice are repeated with it: one cause, one error.
+        // The keys of a repeated table are repeated with it: one cause, one error.
         if repeated.as_ref().is_some_and(|table| table.contains(&span.start)) {
             continue;
         }
@@ -112,7 +111,7 @@ fn report(text: &str, source: SourceId, errors: &[toml::de::Error], sink: &mut S
     }
 }
 
-/// A syntax error with advice, where the line shows what was probably meant.
+/// A syntax error with advice, if the line shows what was probably intended.
 fn advised(error: Diagnostic, message: &str, line: &str, (source, start): (SourceId, usize)) -> Diagnostic {
     if let Some((key, value)) = assigned(line).filter(|(_, value)| is_plain(&line[value.clone()])) {
         let place = Span { source, start: start + value.start, end: start + value.end };
@@ -131,7 +130,7 @@ fn advised(error: Diagnostic, message: &str, line: &str, (source, start): (Sourc
     error
 }
 
-/// The key of a line and where its value stands.
+/// The key of a line and the range of its value.
 fn assigned(line: &str) -> Option<(&str, Range<usize>)> {
     let (key, rest) = line.split_once('=')?;
     let value = rest.split('#').next().unwrap_or_default();
@@ -139,15 +138,14 @@ fn assigned(line: &str) -> Option<(&str, Range<usize>)> {
     Some((key.trim(), start..start + value.trim().len()))
 }
 
-/// Whether a value that is no TOML is nothing at all, or a single word or quantity.
+/// Whether a value that is not TOML is empty, or a single word or quantity.
 fn is_plain(value: &str) -> bool {
     let begins = value.starts_with(|c: char| c.is_ascii_alphanumeric() || matches!(c, '+' | '-' | '.'));
     let single = begins && !value.contains(['"', '\'', '[', ']', '{', '}', ',', '=']);
     value.is_empty() || (single && DeValue::parse(value).is_err())
 }
 
-/// Advice for a value that is nothing, a word of another language, or lacks only its quotes: `4 ms`,
-/// `torque`.
+/// Advice for a value that is empty, a word of another language, or only lacks its quotes: `4 ms`, `torque`.
 fn meant(error: Diagnostic, (key, value): (&str, &str), place: Span) -> Diagnostic {
     if value.is_empty() {
         return error.help(format!("`{key}` has no value: write one, or remove the line"));
@@ -162,7 +160,7 @@ fn meant(error: Diagnostic, (key, value): (&str, &str), place: Span) -> Diagnost
     error.help(format!("words and quantities are strings: `{key} = {written}`")).fix(place, written)
 }
 
-/// The boolean or the number that a word stands for: `True` for `true`, `.99` for `0.99`.
+/// The boolean or the number that a word represents: `true` for `True`, `0.99` for `.99`.
 pub fn literal(word: &str) -> Option<String> {
     match word.to_ascii_lowercase().as_str() {
         "true" | "yes" | "on" => return Some("true".to_owned()),
@@ -187,7 +185,7 @@ fn line_of(text: &str, at: usize) -> Range<usize> {
     start..end
 }
 
-/// Where a repeated key or table header was written first.
+/// Location of the first occurrence of a repeated key or table header.
 fn first_occurrence(text: &str, again: Range<usize>) -> Option<Range<usize>> {
     let line = line_of(text, again.start);
     let left = text[line.start..again.start].trim();

@@ -1,12 +1,12 @@
-//! The spanned tree: a TOML document in which every key and value knows where it was written and in
-//! which layer (file, profile, assignment). Owns its text; merging moves nodes between documents.
+//! The spanned tree: a TOML document in which every key and value has its location and its layer (file,
+//! profile, assignment). Owns its text; merging moves nodes between documents.
 
 use std::collections::BTreeMap;
 
 use crate::diag::Span;
 use crate::escape;
 
-/// Who wrote a value, from weak to strong.
+/// Origin of a value, from weak to strong.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Layer {
     /// The default of a kind or section.
@@ -22,12 +22,12 @@ pub enum Layer {
     Set,
 }
 
-/// A value with its place.
+/// A value with its location.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Node {
-    /// Where it stands. A table written with a header has the header's place.
+    /// Its location. A table written with a header has the header's location.
     pub span: Span,
-    /// Who wrote it.
+    /// Its origin.
     pub layer: Layer,
     /// The value.
     pub item: Item,
@@ -53,11 +53,11 @@ pub enum Item {
 /// A TOML number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Number {
-    /// As it was written.
+    /// As written.
     pub text: String,
-    /// Its value; may be infinite or not a number.
+    /// Its value; may be infinite or NaN.
     pub value: f64,
-    /// Its value as a whole number, when it was written as an integer.
+    /// Its value as a whole number, if it was written as an integer.
     pub whole: Option<i64>,
 }
 
@@ -68,15 +68,14 @@ pub struct Map {
     pub entries: BTreeMap<String, Entry>,
     /// Whether this table was merged over an earlier one of the same path.
     pub inherited: bool,
-    /// The keys of the table that this one replaced because its `kind` differs, where they stood and
-    /// what they were.
+    /// The keys of the table that this one replaced because its `kind` differs: their locations and values.
     pub replaced: BTreeMap<String, (Span, String)>,
 }
 
 /// A key and its value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// Where the key stands.
+    /// Location of the key.
     pub key: Span,
     /// The value.
     pub node: Node,
@@ -101,7 +100,7 @@ impl Map {
 }
 
 impl Node {
-    /// The text, when it is one.
+    /// The text, if it is one.
     pub fn text(&self) -> Option<&str> {
         match &self.item {
             Item::Text(text) => Some(text),
@@ -109,7 +108,7 @@ impl Node {
         }
     }
 
-    /// The table, when it is one.
+    /// The table, if it is one.
     pub fn table(&self) -> Option<&Map> {
         match &self.item {
             Item::Table(map) => Some(map),
@@ -117,7 +116,7 @@ impl Node {
         }
     }
 
-    /// The table, when it is one, to be changed.
+    /// The table, if it is one, mutable.
     pub fn table_mut(&mut self) -> Option<&mut Map> {
         match &mut self.item {
             Item::Table(map) => Some(map),
@@ -125,7 +124,7 @@ impl Node {
         }
     }
 
-    /// What it is, with an article, for messages.
+    /// Its type, with an article, for messages.
     pub fn describe(&self) -> &'static str {
         match &self.item {
             Item::Text(_) => "a string",
@@ -138,7 +137,7 @@ impl Node {
         }
     }
 
-    /// Marks this value and all below it as written in a layer.
+    /// Sets the layer of this value and all below it.
     pub fn stamp(&mut self, layer: Layer) {
         self.layer = layer;
         match &mut self.item {
@@ -167,7 +166,7 @@ impl Node {
         }
     }
 
-    /// Moves this value and all below it to one place, as for a default that is written nowhere.
+    /// Sets the location of this value and all below it, for defaults that no file contains.
     pub fn place(&mut self, span: Span) {
         self.span = span;
         match &mut self.item {
@@ -181,7 +180,7 @@ impl Node {
     }
 }
 
-/// A key as TOML: bare where it can be.
+/// A key as TOML: bare if possible.
 fn bare_or_quoted(key: &str) -> String {
     let bare = !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'));
     if bare { key.to_owned() } else { quoted(key) }

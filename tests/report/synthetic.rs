@@ -152,8 +152,8 @@ fn findings(control: &str) -> Vec<Finding> {
         "position" => vec![
             finding(
                 "W0601",
-                "the policy jumps: update 6 moved it by a KL divergence of 14.6, 730 times the 0.020 that is \
-                 meant",
+                "the policy jumps: update 6 moved it by a KL divergence of 14.6, 730 times the target of \
+                 0.020",
                 114_688,
                 Some(131_072),
             ),

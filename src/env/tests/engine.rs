@@ -1,36 +1,36 @@
-//! An engine without physics: it stays where it was put, and records what it is told.
+//! An engine without physics: the robot stays where it is placed, and all calls are recorded.
 
 use std::sync::{Arc, Mutex};
 
 use crate::robot::Robot;
 use crate::sim::{Contacts, Engine, EngineError, EngineSettings, State, Terrain, World};
 
-/// What the engine was told.
+/// The recorded calls.
 #[derive(Clone, Debug, Default)]
 pub struct Record {
     /// Torques of every physics step.
     pub torques: Vec<Vec<f64>>,
     /// Forces of pushes.
     pub pushes: Vec<[f64; 3]>,
-    /// Robots it built.
+    /// Robots of the built worlds.
     pub robots: Vec<Robot>,
     /// Friction coefficients.
     pub frictions: Vec<f64>,
 }
 
-/// The engine; `drift` (rad) is added to every joint in every physics step, and `speed` is what the base
-/// seems to have.
+/// The engine; `drift` (rad) is added to every joint in every physics step, and `speed` is the base's
+/// reported velocity.
 #[derive(Clone, Debug, Default)]
 pub struct Still {
     /// Change of every joint per physics step in rad.
     pub drift: f64,
-    /// Forward velocity of the base in m/s after every physics step; 0 leaves what it was.
+    /// Forward velocity of the base in m/s after every physics step; 0 leaves it unchanged.
     pub speed: f64,
-    /// What every step reports.
+    /// Contacts reported by every step.
     pub contacts: Contacts,
-    /// Physics steps after which the world is insane; 0 is never.
+    /// Physics steps after which the world reports a diverged state; 0 is never.
     pub insane: usize,
-    /// What it was told.
+    /// The recorded calls.
     pub record: Arc<Mutex<Record>>,
 }
 

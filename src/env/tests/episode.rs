@@ -1,4 +1,4 @@
-//! The loop of a control step, on an engine without physics.
+//! The steps of a control step, on an engine without physics.
 
 use std::sync::Arc;
 
@@ -91,8 +91,8 @@ fn a_delayed_command_arrives_physics_steps_later() {
     assert_eq!(shares, [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0]);
 }
 
-/// The delay in ms of the command of the second control step, by what its torque lacks: 10 % of 333 N m and
-/// then 20 %.
+/// The delay in ms of the command of the second control step, from the deficit in its torque: 10 % of 333 N m
+/// and then 20 %.
 fn measured_delay(environment: &mut RobotEnvironment, engine: &Still, stream: &str) -> f64 {
     engine.record.lock().unwrap().torques.clear();
     environment.begin(stream);
@@ -132,7 +132,7 @@ fn drawn_delays_are_uniform_between_their_bounds_and_not_whole_physics_steps() {
     let mut shares: Vec<f64> = (0..1000).map(draw).collect();
     shares.sort_by(f64::total_cmp);
     assert!(shares[0] > -1e-6 && shares[999] < 1.0 + 1e-6, "{} to {}", shares[0], shares[999]);
-    // Kolmogorov and Smirnov: 1.63 / sqrt(n) at a level of 1 %.
+    // Kolmogorov-Smirnov test: 1.63 / sqrt(n) at a level of 1 %.
     let gap =
         |(index, share): (usize, &f64)| (share - index as f64 / 1e3).max((index + 1) as f64 / 1e3 - share);
     let largest = shares.iter().enumerate().map(gap).fold(0.0, f64::max);
@@ -219,7 +219,7 @@ fn links_inside_each_other_end_the_episode_where_a_term_says_so() {
             other => format!("{other:?}"),
         })
     };
-    // 0.6 rad per second on every joint: the soles turn into each other.
+    // 0.6 rad per second on every joint: the soles rotate into each other.
     assert_eq!(ends(0.01, "[terminate.self_collision]\n"), Some("self_collision".into()));
     assert_eq!(ends(0.01, ""), None);
     assert_eq!(ends(0.0, "[terminate.self_collision]\n"), None);
@@ -346,7 +346,7 @@ fn a_push_acts_for_its_duration_and_ends() {
     assert!(pushes.len() >= 4);
     let force = |push: &[f64; 3]| push[0].hypot(push[1]);
     let first: Vec<f64> = pushes.iter().map(force).take_while(|force| *force > 0.0).collect();
-    // In part in the steps in which it begins and ends, as a whole in between; then it is over.
+    // Partial in the steps in which it begins and ends, full in between; then it is over.
     assert!(first.len() <= 3 && pushes[first.len()] == [0.0; 3], "{first:?}");
     assert_eq!(first.iter().filter(|force| (**force - 300.0).abs() < 1e-9).count(), 1, "{first:?}");
     assert!(first.iter().all(|force| *force < 300.0 + 1e-9), "{first:?}");

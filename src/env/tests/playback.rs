@@ -1,4 +1,4 @@
-//! The reference played by a PD servo with gravity feed-forward in rapier, without any policy: shows that
+//! The reference played by a PD servo with gravity feed-forward in rapier, without a policy: shows that
 //! reference, schedule, contacts, frames and reward agree.
 
 use std::sync::Arc;
@@ -22,10 +22,11 @@ fn servo(robot: &'static str, motion: Option<&'static str>) -> Recipe {
     recipe
 }
 
-/// The action that asks the servo for the reference with the torques of the scheduled contacts.
+/// The action with which the servo tracks the reference, with feed-forward torques for the scheduled
+/// contacts.
 fn follow(environment: &RobotEnvironment, compensation: &mut GravityCompensation, action: &mut [f32]) {
     let law = &environment.scene().law;
-    // An environment keeps no accelerations of its reference.
+    // An environment does not store the accelerations of its reference.
     let mut reference = Frame::default();
     environment.scene().motion().at(environment.signals().phase, &mut reference);
     let [w, x, y, z] = reference.base_orientation;
@@ -43,7 +44,7 @@ fn follow(environment: &RobotEnvironment, compensation: &mut GravityCompensation
     action.iter_mut().zip(&wanted).for_each(|(action, wanted)| *action = *wanted as f32);
 }
 
-/// What a playback came to.
+/// Result of a playback.
 #[derive(Clone, Copy, Debug, Default)]
 struct Playback {
     /// Seconds until it ended.
@@ -107,7 +108,7 @@ fn the_walk_is_playable_from_the_reference() {
 
 #[test]
 fn the_run_is_playable_for_a_few_steps() {
-    // Open loop it falls soon; each of its half cycles lasts 0.33 s.
+    // In open loop it soon falls; each of its half cycles lasts 0.33 s.
     let mut longest = Playback::default();
     for stream in ["a", "b", "c", "d"] {
         let mut recipe = servo("tocabi", Some("run_gait"));

@@ -14,7 +14,7 @@ use crate::spec::decode::{Decoder, Registry};
 use crate::spec::{Kind, Param, Section, Table, Ty, Value};
 use crate::syntax::{Item, Node};
 
-/// The reward table of the paper, with the velocity kernel that follows commands.
+/// The paper's reward table, with the velocity kernel that follows commands.
 const REWARD: &str = r#"
 [reward]
 base_orientation      = { weight = 0.3, k = "13.2 /rad" }
@@ -39,20 +39,20 @@ low_pass = "4 Hz"
 [observe.command]
 "#;
 
-/// A spec that a test may change before it is decoded.
+/// A spec that a test may change before decoding.
 #[derive(Clone, Debug)]
 pub(crate) struct Recipe {
     /// Name of the robot.
     pub robot: &'static str,
-    /// Name of the motion file; none is standing.
+    /// Name of the motion file; `None` stands for standing.
     pub motion: Option<&'static str>,
-    /// The `[action]` table's lines beyond rate.
+    /// Lines of the `[action]` table other than the rate.
     pub action: String,
     /// Commanded speed as TOML.
     pub speed: &'static str,
     /// k of the velocity kernel.
     pub kernel: f64,
-    /// More TOML.
+    /// Additional TOML.
     pub more: String,
     /// The `[initial]` table's lines.
     pub initial: String,
@@ -114,7 +114,7 @@ impl Recipe {
     }
 }
 
-/// A motion that comes with specforge, for a robot.
+/// A motion included with specforge, for a robot.
 pub(crate) fn motion(name: &str, robot: &Robot) -> Motion {
     let text = motion::embedded(&format!("{name}.toml")).unwrap();
     let (mut sources, mut sink) = (Sources::default(), Sink::default());

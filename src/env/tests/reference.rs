@@ -1,7 +1,7 @@
-//! The reward of the reference motion itself, and of standing still: the table of docs/explanation/reward.md.
+//! The reward of the reference motion, and of standing still: the table of docs/explanation/reward.md.
 //!
-//! Played kinematically: joints and base on the reference (or still in the default pose), torques and
-//! foot forces those of gravity compensation, in running times 1 + a_z / g.
+//! Played kinematically: joints and base follow the reference (or rest in the default pose); torques and foot
+//! forces are those of gravity compensation, for running times 1 + a_z / g.
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
@@ -13,7 +13,7 @@ use crate::robot::{GRAVITY, GravityCompensation, Robot, SelfCollision, Weighting
 use crate::spec::Section;
 use crate::spec::section::RewardTerm;
 
-/// One control step of a robot that does exactly what it is told.
+/// One control step of a robot that follows its command exactly.
 #[derive(Clone, Debug, Default)]
 struct Moment {
     frame: Frame,

@@ -1,4 +1,4 @@
-//! Episodes in rapier: repeatable, and cheap beside the physics.
+//! Episodes in rapier: repeatable, and with little overhead over the physics.
 
 use std::sync::Arc;
 
@@ -60,7 +60,8 @@ fn a_start_on_the_running_reference_shows_velocities_that_lag() {
         let mut observation = vec![0.0; environment.view().sizes().observation];
         environment.view().observe(&mut observation);
         let phase = environment.signals().phase;
-        // The knee's first harmonics: a first-order lag of 40 ms shows about 30 ms old velocities, smaller.
+        // The knee's first harmonics: a first-order lag of 40 ms attenuates velocities and delays them by
+        // about 30 ms.
         motion.at(phase, &mut now);
         motion.at(phase - 0.03 / motion.period, &mut before);
         let shown = f64::from(observation[3 + 12 + 3]) * 0.998;

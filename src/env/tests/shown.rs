@@ -1,4 +1,4 @@
-//! What the policy is shown: layout, normalisation, mirror.
+//! The policy's observation: layout, normalisation, mirroring.
 
 use super::Recipe;
 use crate::env::Observation;
@@ -103,7 +103,7 @@ fn reflecting_an_action_twice_gives_it_back_and_swaps_the_legs() {
     let original: Vec<f32> = (0..13).map(|index| 0.1 * index as f32 - 0.3).collect();
     let mut action = original.clone();
     observation.reflect(&mut action);
-    // Yaw and roll change sign with the side, pitches only the side; the phase action stays.
+    // Yaw and roll change sign and side, pitch joints only the side; the phase action stays.
     assert_eq!((action[0], action[1], action[2]), (-original[6], -original[7], original[8]));
     assert_eq!((action[9], action[12]), (original[3], original[12]));
     observation.reflect(&mut action);

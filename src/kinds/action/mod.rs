@@ -1,4 +1,4 @@
-//! Actions: what the policy commands and the low-level law behind it (`control/` executes it).
+//! Actions: the policy's commands and the low-level law that executes them (`control/`).
 
 pub mod position;
 pub mod torque;
@@ -9,11 +9,11 @@ pub use torque::Torque;
 use crate::spec::typed::prelude::*;
 
 choice! {
-    /// What a phase action of 1 adds to a control step.
+    /// Effect of a phase action of 1 in a control step.
     pub enum PhaseAction {
-        /// The step's seconds, read as a share of the cycle.
+        /// Adds the step's duration in s as a share of the cycle.
         Share = "share",
-        /// As much time again.
+        /// Adds the step's duration once more.
         Time = "time",
     }
 }
@@ -40,7 +40,7 @@ impl Action {
         }
     }
 
-    /// Standard deviation of the exploration, as a share of what the kind says.
+    /// Standard deviation of the exploration, relative to the kind's reference.
     pub fn std(&self) -> f64 {
         match self {
             Self::Position(action) => action.std,
@@ -56,7 +56,7 @@ impl Action {
         }
     }
 
-    /// What a phase action of 1 adds to a control step.
+    /// Effect of a phase action of 1 in a control step.
     pub fn phase_action(&self) -> PhaseAction {
         let written = match self {
             Self::Position(action) => action.phase_action,
@@ -65,7 +65,7 @@ impl Action {
         written.unwrap_or(PhaseAction::Time)
     }
 
-    /// Whether torque that drives a joint beyond its velocity limit fades.
+    /// Whether torque that drives a joint beyond its velocity limit fades out.
     pub fn motor_speed_limit(&self) -> bool {
         match self {
             Self::Position(action) => action.motor_speed_limit,
@@ -73,7 +73,7 @@ impl Action {
         }
     }
 
-    /// The servo, under position control.
+    /// The servo under position control.
     pub fn servo(&self) -> Option<&Position> {
         match self {
             Self::Position(servo) => Some(servo),

@@ -6,7 +6,7 @@ use crate::spec::typed::prelude::*;
 choice! {
     /// A format of exported policies.
     pub enum Format {
-        /// safetensors, with the contract as JSON beside it; always written.
+        /// safetensors, with the contract as a separate JSON file; always written.
         Safetensors = "safetensors",
         /// A TorchScript module of the actor.
         Torchscript = "torchscript",
@@ -19,8 +19,8 @@ kind! {
         /// feature `torch` (R0005).
         #[default("[\"safetensors\"]")]
         formats: Vec<Format>,
-        /// Which policy: that of `[learn]` (`learner`) or that of `[fine_tune]`, each in the world that it
-        /// was trained in. Without it the last one.
+        /// The policy: that of `[learn]` (`learner`) or of `[fine_tune]` (default if the spec has one), each
+        /// in its training environment.
         policy: Option<Trained>,
     }
 }

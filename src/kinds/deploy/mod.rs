@@ -1,4 +1,4 @@
-//! Deployments of a trained policy. What they do stands in `deploy/`.
+//! Deployments of a trained policy. `deploy/` implements them.
 
 pub mod export;
 pub mod transfer;
@@ -11,13 +11,13 @@ use crate::spec::typed::prelude::*;
 use crate::spec::{Section, Table};
 
 section! {
-    /// What becomes of a trained policy.
+    /// Use of a trained policy.
     pub enum Deployment in "deploy", "deployment" { export: Export, transfer: Transfer }
 }
 
-/// The episodes that an evaluation or a transfer (`evaluate.NAME`, `deploy.NAME`) of a decoded spec plays;
-/// `None` if the spec has no such stage, or it is a training. A transfer that does not say how many plays as
-/// many as `evaluate.nominal`.
+/// Number of episodes of an evaluation or a transfer (`evaluate.NAME`, `deploy.NAME`) in a decoded spec;
+/// `None` if the spec lacks the stage, or if it is a training. A transfer without this key uses that of
+/// `evaluate.nominal`.
 pub fn episodes(fields: &Table, stage: &str) -> Option<usize> {
     let spec = Section::new(fields);
     let table = |section: &str, name: &str| spec.section(section)?.section(name);

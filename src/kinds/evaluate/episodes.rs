@@ -9,7 +9,7 @@ kind! {
         #[range(1.0, 1e5)]
         #[default("32")]
         episodes: u64,
-        /// The command of every episode; without it the middle of the task's range.
+        /// The command of every episode; by default the middle of the task's range.
         command: Option<Command>,
         ..spread: Spread,
         ..setting: Setting,

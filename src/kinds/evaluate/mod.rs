@@ -1,4 +1,4 @@
-//! Evaluation protocols. What they do stands in `evaluate/`.
+//! Evaluation protocols. `evaluate/` implements them.
 
 pub mod episodes;
 pub mod parameter_sets;
@@ -12,13 +12,13 @@ use crate::spec::Section;
 use crate::spec::typed::prelude::*;
 
 section! {
-    /// What a policy is put through.
+    /// Protocol of an evaluation.
     pub enum Evaluation in "evaluate", "evaluation" {
         episodes: Episodes, parameter_sets: ParameterSets, speeds: Speeds
     }
 }
 
-/// Episodes where a table, such as that of a transfer, does not say how many.
+/// Default number of episodes.
 pub const EPISODES: u64 = 32;
 
 /// The number of episodes of a decoded `[evaluate.NAME]` table, or of a `[deploy.NAME]` table of kind
@@ -33,65 +33,64 @@ pub fn episodes(section: Section) -> usize {
 }
 
 keys! {
-    /// What is commanded for the whole of every episode.
+    /// A constant command.
     pub struct Command {
-        /// Forward speed, held for the whole episode.
+        /// Forward speed for the whole episode.
         #[range(-10.0, 10.0)]
         speed: Quantified<MetrePerSecond>,
     }
 }
 
 either! {
-    /// What is drawn for every episode.
+    /// Randomization per episode.
     pub enum Drawn {
-        /// What the training draws, or nothing.
+        /// The training's randomization, or none.
         AsTrained(bool),
-        /// The rows of a table of its own.
+        /// The rows of a separate table.
         Rows(RawTerms<Rows>),
     }
 }
 
 keys! {
-    /// Where and on which policy an evaluation runs.
+    /// Environment and policy of an evaluation.
     pub struct Setting in "evaluate" {
-        /// Duration of an episode that nothing ends; without it `task.episode`.
+        /// Time limit of an episode; by default `task.episode`.
         #[range(0.1, 3600.0)]
         time_limit: Option<Quantified<Second>>,
-        /// Which policy: that of `[learn]` (`learner`) or that of `[fine_tune]`, each in the world that it
-        /// was trained in. Without it the last one.
+        /// The policy: that of `[learn]` (`learner`) or of `[fine_tune]` (default if the spec has one), each
+        /// in its training environment.
         policy: Option<Trained>,
-        /// The ground of this evaluation, in place of the training's.
+        /// The ground of this evaluation; by default the training's.
         terrain: Option<RawKind<Ground>>,
-        /// Names the streams of all episodes; training uses others.
+        /// Seed of the random streams of all episodes; independent of the training's streams.
         #[default("1000")]
         seed: u64,
-        /// The engine to run in; without it that of the training.
+        /// The engine; by default the training's.
         engine: Option<EngineName>,
-        /// Physics rate; without it that of the training. The rates of control must divide it.
+        /// Physics rate; by default the training's. The rates of control must divide it.
         #[range(1.0, 1e6)]
         rate: Option<Quantified<Hertz>>,
-        /// Time constant of soft contacts (MuJoCo's `solref`); without it the engine's own.
+        /// Time constant of soft contacts (MuJoCo's `solref`); by default the engine's.
         #[range(1e-4, 1.0)]
         contact_time: Option<Quantified<Second>>,
     }
 }
 
 keys! {
-    /// By what the episodes of an evaluation differ.
+    /// Differences between the episodes of an evaluation.
     pub struct Spread in "evaluate" {
-        /// Standard deviation of the joint positions about the default pose at the start.
+        /// Standard deviation of the joint positions around the default pose at the start.
         #[range(0.0, 1.0)]
         #[default("\"0.01 rad\"")]
         perturbation: Quantified<Radian>,
-        /// What is drawn per episode: nothing, with `true` the training's randomization, or the rows of a
-        /// table.
+        /// Randomization per episode: none, the training's (`true`), or the rows of a table.
         #[default("false")]
         randomize: Drawn,
-        /// Whether the observation carries its noise.
+        /// Whether the observation is noisy.
         #[default("false")]
         noise: bool,
-        /// Whether the policy acts with the exploration of its training (`action.std`), not by its mean
-        /// alone.
+        /// Whether the policy acts with the exploration of its training (`action.std`) rather than by its
+        /// mean.
         explore: Option<bool>,
     }
 }

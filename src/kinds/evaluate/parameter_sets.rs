@@ -4,11 +4,11 @@ use super::{Command, Setting};
 use crate::spec::typed::prelude::*;
 
 choice! {
-    /// A randomization that scales something of the robot or the ground.
+    /// A randomization that scales a parameter of the robot or the ground.
     pub enum Parameter {
         /// The delay of the torque.
         ActionDelay = "action_delay",
-        /// The grip of the soles.
+        /// The friction of the soles.
         FootFriction = "foot_friction",
         /// The friction of the ground.
         GroundFriction = "ground_friction",
@@ -24,13 +24,13 @@ choice! {
         LinkInertia = "link_inertia",
         /// The mass of the links.
         LinkMass = "link_mass",
-        /// The torque that a motor gives.
+        /// The motors' torque constant.
         MotorConstant = "motor_constant",
     }
 }
 
 choice! {
-    /// How parameter sets are drawn.
+    /// Sampling of parameter sets.
     pub enum Sampling {
         /// Stratified in every parameter.
         LatinHypercube = "latin_hypercube",
@@ -39,29 +39,29 @@ choice! {
     }
 }
 
-/// Those of the paper's Table II and the length of the legs.
+/// The parameters of the paper's Table II and the length of the legs.
 const EIGHT: &str = "[\"link_mass\", \"link_inertia\", \"link_com\", \"joint_damping\", \"joint_friction\", \
                      \"motor_constant\", \"action_delay\", \"leg_length\"]";
 
 kind! {
     pub struct ParameterSets in "evaluate" = "parameter_sets" {
-        /// Number of sets; each is one episode.
+        /// Number of sets, each with one episode.
         #[range(1.0, 1e5)]
         sets: u64,
-        /// How sets are drawn: stratified in every parameter, or independently.
+        /// Sampling of the sets: stratified in every parameter, or independent.
         #[default("\"latin_hypercube\"")]
         sampling: Sampling,
-        /// The lowest and the highest factor on the nominal value of a parameter.
+        /// The smallest and the largest factor on a parameter's nominal value.
         #[range(1e-3, 1e3)]
         #[length(Length::Each(&["lowest", "highest"]))]
         #[default("[0.7, 1.3]")]
         scale: Vec<f64>,
-        /// What is scaled, by the name of its randomization.
+        /// The scaled parameters, by the names of their randomizations.
         #[default(EIGHT)]
         parameters: Vec<Parameter>,
-        /// The command of every episode; without it the middle of the task's range.
+        /// The command of every episode; by default the middle of the task's range.
         command: Option<Command>,
-        /// Standard deviation of the joint positions about the default pose at the start.
+        /// Standard deviation of the joint positions around the default pose at the start.
         #[range(0.0, 1.0)]
         #[default("\"0 rad\"")]
         perturbation: Quantified<Radian>,

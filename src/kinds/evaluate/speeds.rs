@@ -11,10 +11,10 @@ kind! {
         /// The highest speed of the grid.
         #[range(-10.0, 10.0)]
         to: Option<Quantified<MetrePerSecond>>,
-        /// How far apart the speeds of the grid are.
+        /// Step of the grid.
         #[range(1e-3, 10.0)]
         step: Option<Quantified<MetrePerSecond>>,
-        /// Speeds beside or in place of the grid.
+        /// A list of speeds, in addition to the grid or instead of it.
         #[range(-10.0, 10.0)]
         #[length(Length::Some)]
         speeds: Option<Vec<Quantified<MetrePerSecond>>>,
@@ -28,7 +28,7 @@ kind! {
 }
 
 impl Speeds {
-    /// The speeds in m/s, rising, each once: those of the grid and those of the list.
+    /// The speeds in m/s in ascending order without repetitions: those of the grid and those of the list.
     pub fn grid(&self) -> Vec<f64> {
         let mut speeds = match [self.from, self.to, self.step] {
             [Some(from), Some(to), Some(step)] => between([from, to], step),
@@ -41,13 +41,13 @@ impl Speeds {
     }
 }
 
-/// The numbers from one end to the other, both included.
+/// The numbers from one end to the other, including both.
 fn between([from, to]: [f64; 2], step: f64) -> Vec<f64> {
     let steps = ((to - from) / step).round().max(0.0) as usize;
     (0..=steps).map(|index| rounded(from + index as f64 * step)).collect()
 }
 
-/// A speed to the nanometre per second: a sum of steps that should be 0.3 is 0.3.
+/// Rounds a speed to a nanometre per second, so that a sum of steps gives exactly 0.3.
 fn rounded(speed: f64) -> f64 {
     (speed * 1e9).round() / 1e9
 }

@@ -1,5 +1,5 @@
-//! Fine-tuning: trainings that go on from the policy of `[learn]` in a changed world. What they do stands in
-//! `learn/`.
+//! Fine-tuning: trainings that continue from the policy of `[learn]` in a changed environment. `learn/`
+//! implements them.
 
 pub mod ppo;
 
@@ -8,16 +8,16 @@ pub use ppo::Ppo;
 use crate::spec::typed::prelude::*;
 
 section! {
-    /// How the policy learns on.
+    /// Algorithm of a fine-tuning.
     pub enum FineTuning in "fine_tune", "fine-tuning" { ppo: Ppo }
 }
 
 choice! {
-    /// Which of a spec's policies.
+    /// The policies of a spec.
     pub enum Trained {
-        /// That of `[fine_tune]`.
+        /// The policy of `[fine_tune]`.
         FineTune = "fine_tune",
-        /// That of `[learn]`.
+        /// The policy of `[learn]`.
         Learner = "learner",
     }
 }

@@ -1,4 +1,4 @@
-//! Initial states: where an episode starts (`env/start.rs` draws them).
+//! Initial states of episodes (drawn by `env/start.rs`).
 
 pub mod default_pose;
 pub mod reference;
@@ -6,12 +6,12 @@ pub mod reference;
 use crate::spec::typed::prelude::*;
 
 section! {
-    /// Where episodes start.
+    /// Distribution of initial states.
     pub enum Initial in "initial", "initial state" { default_pose: DefaultPose, reference: OnReference }
 }
 
 impl Initial {
-    /// Phases at which an episode may start standing.
+    /// Phases of standing starts.
     pub fn phases(&self) -> &[f64] {
         match self {
             Self::DefaultPose(pose) => &pose.phases,

@@ -3,16 +3,16 @@
 use crate::spec::typed::prelude::*;
 
 reference! {
-    /// What `standing_share` is a share of.
+    /// Reference of `standing_share`.
     pub AllEpisodes = "all episodes";
 }
 
 choice! {
-    /// What a robot on the reference motion moves with.
+    /// Velocities at a start on the reference motion.
     pub enum Velocities {
-        /// The velocities of the reference.
+        /// Those of the reference.
         Reference = "reference",
-        /// Nothing but noise.
+        /// Zero plus noise.
         Rest = "rest",
     }
 }
@@ -23,17 +23,16 @@ kind! {
         #[range(0.0, 1.0)]
         #[default("\"20 %\"")]
         standing_share: Ratio<AllEpisodes>,
-        /// Phases of those standing starts, drawn with equal chance; evaluations, which all stand, take
-        /// them in turn.
+        /// Phases of standing starts, drawn with equal probability; evaluations, which always start standing,
+        /// take them in turn.
         #[range(0.0, 1.0)]
         #[default("[0.0, 0.5]")]
         phases: Vec<f64>,
-        /// Added to each joint position of the standing starts, as evaluations do by their `perturbation`;
-        /// without it they are all alike.
+        /// Added to each joint position of the standing starts, like the `perturbation` of evaluations;
+        /// without it all standing starts are the same.
         #[range(-3.2, 3.2)]
         standing_noise: Option<Sampled<Radian>>,
-        /// What the robot moves with: the reference's velocities, which is also what is meant without
-        /// this key, or none, but for the noise below.
+        /// Velocities at the start, before noise: those of the reference (default), or zero.
         velocities: Option<Velocities>,
         /// Added to each joint position.
         #[range(-3.2, 3.2)]

@@ -1,4 +1,4 @@
-//! The learners that `[learn]` may name. What they do stands in `learn/`.
+//! The learners of `[learn]`. `learn/` implements them.
 
 pub mod ppo;
 
@@ -7,6 +7,6 @@ pub use ppo::Ppo;
 use crate::spec::typed::prelude::*;
 
 section! {
-    /// How the policy learns.
+    /// Learning algorithm.
     pub enum Learner in "learn", "learner" { ppo: Ppo }
 }

@@ -1,4 +1,4 @@
-//! What may be written in `[learn]` of kind `ppo`. `learn::Settings` reads it.
+//! The keys of `[learn]` of kind `ppo`. `learn::Settings` reads them.
 
 use serde::{Deserialize, Serialize};
 
@@ -19,13 +19,13 @@ choice! {
 }
 
 choice! {
-    /// Over which samples advantages get mean 0 and standard deviation 1.
+    /// Samples over which advantages are normalised to mean 0 and standard deviation 1.
     #[derive(Serialize, Deserialize)]
     #[serde(rename_all = "snake_case")]
     pub enum Normalisation {
         /// The whole rollout.
         Batch = "batch",
-        /// Each minibatch by itself (the paper's authors).
+        /// Each minibatch separately (the paper's authors).
         Minibatch = "minibatch",
     }
 }
@@ -44,7 +44,7 @@ choice! {
 }
 
 choice! {
-    /// Where the networks are while they learn. Rollouts run on the CPU either way.
+    /// Device of the networks during training. Rollouts always run on the CPU.
     #[derive(Default, Serialize, Deserialize)]
     #[serde(rename_all = "snake_case")]
     pub enum Device {
@@ -57,7 +57,7 @@ choice! {
 }
 
 choice! {
-    /// Whose step size the critic's hidden layers have.
+    /// Step size of the critic's hidden layers.
     pub enum RateOf {
         /// The critic's.
         Value = "value",
@@ -77,39 +77,39 @@ choice! {
 }
 
 choice! {
-    /// Whether the actor sees the second half of the cycle in the mirror.
+    /// Mirroring of the second half of the cycle for the actor.
     pub enum Symmetry {
-        /// It does not.
+        /// None.
         Off = "none",
-        /// It sees and acts in the mirror.
+        /// Observations and actions are mirrored.
         PhaseMirror = "phase_mirror",
     }
 }
 
 choice! {
-    /// Whose gradient a norm is of.
+    /// Scope of the gradient norm.
     pub enum NormOf {
-        /// Each network's by itself.
+        /// Each network separately.
         Each = "each",
-        /// Both as one.
+        /// Both networks together.
         Both = "both",
     }
 }
 
 choice! {
-    /// What follows an episode's time limit.
+    /// Value after an episode's time limit.
     pub enum TimeLimit {
         /// The critic's value of the last state.
         Bootstrap = "bootstrap",
-        /// Nothing, as after a fall.
+        /// Zero, as after a fall.
         Failure = "failure",
     }
 }
 
 reference! {
-    /// What the exploration at the end of a decay is a share of.
+    /// Reference of the exploration at the end of a decay.
     pub FirstStd = "`action.std`";
-    /// What the duration of a decay is a share of.
+    /// Reference of the duration of a decay.
     pub AllSamples = "`learn.samples`";
 }
 
@@ -136,37 +136,36 @@ keys! {
         #[range(0.0, 1.0)]
         #[default("5e-4")]
         learning_rate: f64,
-        /// Whose step size the critic's hidden layers learn with: its own, which is also what is meant
-        /// without this key, or the actor's at the beginning of the update, which leaves `learning_rate` to
-        /// the last layer (the authors' code).
+        /// Step size of the critic's hidden layers: the critic's (default), or the actor's at the beginning
+        /// of the update, so that `learning_rate` applies only to the last layer (the authors' code).
         hidden_learning_rate: Option<RateOf>,
-        /// Factor of the mean squared error in the critic's loss; without it 0.5. Adam takes it out again,
-        /// but for `adam_epsilon` and what `max_grad_norm` bounds.
+        /// Coefficient of the mean squared error in the critic's loss; 0.5 by default. Adam cancels it,
+        /// except for `adam_epsilon` and `max_grad_norm`.
         #[range(1e-6, 1e6)]
         coefficient: Option<f64>,
-        /// Whether the critic also sees what the robot cannot measure: base velocity, height, contacts, foot
-        /// loads.
+        /// Whether the critic gets inputs that the robot cannot measure: base velocity, height, contacts,
+        /// foot loads.
         #[default("false")]
         privileged: bool,
     }
 }
 
 keys! {
-    /// How the exploration falls.
+    /// Decay of the exploration.
     #[derive(Copy, Serialize, Deserialize)]
     #[serde(deny_unknown_fields)]
     pub struct Decay {
         /// The exploration at the end of the decay.
         #[range(1e-6, 100.0)]
         to: Ratio<FirstStd>,
-        /// The first part of the samples, over which it falls linearly; then it stays.
+        /// Share of the samples over which it falls linearly; afterwards it is constant.
         #[range(1e-6, 1.0)]
         over: Ratio<AllSamples>,
     }
 }
 
 keys! {
-    /// A step size that falls linearly over the training.
+    /// A step size that decreases linearly over the training.
     pub struct LinearRate {
         /// Step size at the first and at the last sample.
         #[range(0.0, 1.0)]
@@ -176,9 +175,9 @@ keys! {
 }
 
 keys! {
-    /// A step size that is steered.
+    /// A step size that adapts to the KL divergence.
     pub struct SteeredRate {
-        /// KL divergence between the policy before and after an update that the step size is steered to.
+        /// Target KL divergence between the policy before and after an update.
         #[range(1e-6, 1.0)]
         kl_target: f64,
         /// Step size of the first update.
@@ -192,9 +191,9 @@ either! {
     pub enum LearningRate {
         /// Constant.
         Constant(f64),
-        /// Falling linearly over the training.
+        /// Decreasing linearly over the training.
         Linear(LinearRate),
-        /// Steered by the KL divergence of an update.
+        /// Adapted to the KL divergence of an update.
         Steered(SteeredRate),
     }
 }
@@ -202,8 +201,8 @@ either! {
 kind! {
     /// Proximal policy optimisation with a Gaussian policy.
     pub struct Ppo in "learn" = "ppo" {
-        /// Control steps to learn from, over all environments. The paper: 80 M. With 0 nothing is learned,
-        /// and the policy is the pre-trained network alone.
+        /// Control steps to learn from, over all environments. The paper: 80 M. With 0 the policy is the
+        /// pre-trained network.
         #[range(0.0, 1e12)]
         samples: u64,
         /// Ends the training after this many samples, rounded up to whole updates, while step size and
@@ -215,7 +214,7 @@ kind! {
         #[range(1.0, 1e8)]
         #[default("16384")]
         rollout: usize,
-        /// Environments that are stepped side by side; they divide `rollout`.
+        /// Number of parallel environments; it divides `rollout`.
         #[range(1.0, 65536.0)]
         #[default("64")]
         environments: usize,
@@ -223,7 +222,7 @@ kind! {
         #[range(1.0, 1e8)]
         #[default("128")]
         minibatch: usize,
-        /// Passes over a rollout.
+        /// Passes over a rollout per update.
         #[range(1.0, 1000.0)]
         #[default("3")]
         epochs: usize,
@@ -236,30 +235,31 @@ kind! {
         #[range(0.0, 1.0)]
         #[default("0.99")]
         gamma: f64,
-        /// Time after which a reward counts 1/e: gamma = exp(-step / discount_time), the same horizon at
-        /// every control rate.
+        /// Time after which a reward is discounted to 1/e: gamma = exp(-step / discount_time), the same
+        /// horizon at every control rate.
         #[range(1e-6, 1e6)]
         discount_time: Option<Quantified<Second>>,
         /// Decay of generalised advantage estimation per control step.
         #[range(0.0, 1.0)]
         #[default("0.95")]
         lambda: f64,
-        /// Probability ratios beyond 1 +- clip earn no gradient.
+        /// Probability ratios beyond 1 +- clip have zero gradient.
         #[range(1e-3, 10.0)]
         #[default("0.2")]
         clip: f64,
-        /// Over which samples advantages are normalised to mean 0 and standard deviation 1.
+        /// Samples over which advantages are normalised to mean 0 and standard deviation 1.
         #[default("\"minibatch\"")]
         advantages: Normalisation,
-        /// Factor on all rewards before learning; `one_minus_gamma` makes values as large as one step's
+        /// Factor on all rewards before learning; with `one_minus_gamma` values have the size of one step's
         /// reward.
         #[default("\"none\"")]
         reward_scale: RewardScale,
-        /// First updates in which only the critic learns, so that a pre-trained actor survives them.
+        /// Number of first updates in which only the critic learns, so that an untrained critic does not
+        /// destroy a pre-trained actor.
         #[range(0.0, 1e9)]
         #[default("0")]
         warm_up: u64,
-        /// `phase_mirror`: in the second half of the cycle the actor sees and acts in the mirror.
+        /// `phase_mirror`: in the second half of the cycle the actor's observations and actions are mirrored.
         #[default("\"none\"")]
         symmetry: Symmetry,
         /// The actor's network.
@@ -268,37 +268,36 @@ kind! {
         /// The critic's network and its step size.
         #[default("{}")]
         value: Critic,
-        /// Each network's gradient is shortened to this norm.
+        /// Bound to which each network's gradient is clipped.
         #[range(1e-9, 1e9)]
         #[default("0.5")]
         max_grad_norm: f64,
-        /// Whose gradient `max_grad_norm` bounds: each network's by itself, which is also what is meant
-        /// without this key, or both as one (the authors' code), so that the critic's errors shorten the
-        /// actor's steps.
+        /// Gradient that `max_grad_norm` bounds: each network's separately (default), or both together (the
+        /// authors' code), so that a large critic gradient reduces the actor's step.
         grad_norm_of: Option<NormOf>,
         /// Adam's epsilon.
         #[range(1e-12, 1.0)]
         #[default("1e-5")]
         adam_epsilon: f64,
-        /// The exploration falls over the training. Without it, as printed, it stays what `action.std` says.
+        /// Decay of the exploration over the training. Without it `action.std` is constant, as printed in the
+        /// paper.
         std_decay: Option<Decay>,
-        /// What follows an episode's time limit: the critic's value of its last state, which is also what is
-        /// meant without this key, or nothing, as after a fall.
+        /// Value after an episode's time limit: the critic's value of its last state (default), or zero, as
+        /// after a fall.
         time_limit: Option<TimeLimit>,
-        /// Names all random streams of the run.
+        /// Seed of all random streams of the run.
         #[default("1")]
         seed: u64,
-        /// Updates between two checkpoints. It changes no result, so a training that was interrupted goes on
-        /// with another value.
+        /// Updates between two checkpoints. It does not affect results, so an interrupted training can be
+        /// resumed with another value.
         #[range(1.0, 1e9)]
         #[default("10")]
         checkpoint_every: u64,
-        /// What computes the updates: plain Rust, which is also what is meant without this key, or libtorch,
-        /// which needs a build with the feature `torch` (R0005). They differ in the order of sums, so `torch`
-        /// makes another policy.
+        /// Library that computes the updates: plain Rust (default), or libtorch, which needs a build with the
+        /// feature `torch` (R0005). The order of summation differs, so `torch` gives another policy.
         backend: Option<Backend>,
-        /// Where the networks learn: `cuda` needs `backend = "torch"` and a libtorch for CUDA (R0006). Left
-        /// out it is the CPU, whose last bits are others, so `cuda` makes another policy.
+        /// Device of the networks during training: the CPU (default), or `cuda`, which needs `backend =
+        /// "torch"` and a libtorch for CUDA (R0006). The last bits differ, so `cuda` gives another policy.
         device: Option<Device>,
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Curve;
 
-/// The mean return over the samples, by trapezoids.
+/// The mean return over the samples, by the trapezoidal rule.
 pub(super) fn area_under_curve(curve: &Curve) -> Option<f64> {
     let (first, last) = (curve.points.first()?, curve.points.last()?);
     if last.0 <= first.0 {
@@ -21,15 +21,15 @@ pub(super) fn final_return(curve: &Curve) -> Option<f64> {
     (!last.is_empty()).then(|| last.iter().map(|(_, episodes)| episodes).sum::<f64>() / last.len() as f64)
 }
 
-/// The same times the control step in s, so that control rates can be compared.
+/// The mean return times the control step in s, which compares control rates.
 pub(super) fn final_return_time(curve: &Curve) -> Option<f64> {
     Some(final_return(curve)? * curve.control_step?)
 }
 
-/// Updates that are averaged, so that one lucky update does not count.
+/// Number of updates in the moving average, so that a single lucky update does not count.
 const WINDOW: usize = 5;
 
-/// The samples after which the return reaches the threshold; infinite when it never does.
+/// The samples after which the return reaches the threshold; infinite if it never does.
 pub(super) fn samples_to_threshold(curve: &Curve) -> Option<f64> {
     let threshold = curve.threshold?;
     curve.points.first()?;

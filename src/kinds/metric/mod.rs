@@ -1,6 +1,6 @@
-//! Metrics: what an evaluation or a learning is measured by, in the order of a report's tables.
+//! Metrics: the measurements of evaluations and trainings, in the order of a report's tables.
 //!
-//! The only list of metrics: tables, criteria and claims read it.
+//! The only list of metrics: tables, criteria and claims use it.
 
 mod learning;
 mod surviving;
@@ -13,47 +13,47 @@ use crate::outcome::Episode;
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind, Signal};
 
-/// A registry entry: the descriptor, how it is shown and how it is computed.
+/// A registry entry: descriptor, display and computation.
 #[derive(Debug)]
 pub struct MetricKind {
-    /// Its name and page.
+    /// Its name and documentation.
     pub kind: Kind,
-    /// Its name in tables.
+    /// Its label in tables.
     pub label: &'static str,
     /// Its unit in tables; `%` for shares, whose values lie in `[0, 1]`.
     pub unit: &'static str,
     /// Its dimension; a claim's numbers must have it.
     pub dimension: Dimension,
-    /// The least and the largest value that a run can have, in SI units; infinite where there is none.
+    /// The smallest and the largest possible value of a run, in SI units; infinite if unbounded.
     pub bounds: [f64; 2],
-    /// Decimals worth printing (of percents for the unit `%`).
+    /// Number of decimals to print (for the unit `%`, of percents).
     pub digits: usize,
-    /// The tasks it is meant for.
+    /// The tasks that it applies to.
     pub suited: Suited,
-    /// Which direction is the better one.
+    /// Which direction is better.
     pub better: Better,
-    /// What sort of number it is.
+    /// Type of its values.
     pub scale: Scale,
-    /// Which rewards it sums up.
+    /// Which rewards it sums.
     pub sums: Sums,
-    /// Whether it is a speed, reward, force or torque, which says nothing of a robot that fails its task.
+    /// Whether it is a speed, reward, force or torque, which is meaningless for a robot that fails its task.
     pub needs_task: bool,
-    /// Whether the table of the evaluation has a row for it.
+    /// Whether the table of an evaluation shows it.
     pub tabled: bool,
-    /// How it is computed.
+    /// Its computation.
     pub source: Source,
 }
 
-/// Which tasks a metric is meant for.
+/// Tasks that a metric applies to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Suited {
     /// All.
     All,
-    /// Those that go somewhere.
+    /// Tasks with travel.
     Travelling,
-    /// Those that stay in place.
+    /// Tasks in place.
     Staying,
-    /// Those with flight phases.
+    /// Tasks with flight phases.
     Flying,
 }
 
@@ -68,7 +68,7 @@ impl Suited {
     }
 }
 
-/// Which direction is the better one.
+/// Which direction is better.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Better {
     /// More is better.
@@ -79,74 +79,74 @@ pub enum Better {
     Neither,
 }
 
-/// What sort of number a metric is; a test takes some sorts only.
+/// Type of a metric's values; a test accepts some types only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// 0 or 1 in an episode.
     Success,
     /// Any number.
     Real,
-    /// A number that may lie beyond the end of the run (infinite): only ranks have a meaning.
+    /// A number that may lie beyond the end of the run (infinite): only ranks are meaningful.
     Censored,
 }
 
-/// Whether a metric is a sum of rewards, so that it compares arms of the same rewards only.
+/// Whether a metric is a sum of rewards, which only compares arms with the same rewards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sums {
-    /// It is made of what the robot does.
+    /// No rewards: it measures the robot's behaviour.
     Nothing,
-    /// Rewards over control steps: also the control rate must be the same.
+    /// Rewards over control steps: the control rate must be the same, too.
     PerStep,
     /// Rewards over time.
     PerTime,
 }
 
-/// What a metric is computed from.
+/// Data that a metric is computed from.
 #[derive(Clone, Copy, Debug)]
 pub enum Source {
-    /// Each episode of an evaluation protocol or a transfer.
+    /// Each episode of an evaluation or a transfer.
     Episodes(fn(&Episode) -> f64),
-    /// The same, where an episode may lack it: earlier versions did not measure it, or the ground or the
-    /// robot has nothing that it is about.
+    /// Each episode, but some may lack it: earlier versions did not measure it, or it does not apply to the
+    /// ground or the robot.
     SomeEpisodes(fn(&Episode) -> Option<f64>),
     /// Each episode, given whether the policy meets the criteria of its task.
     Task,
-    /// All episodes of an evaluation together; `None` where they do not have it.
+    /// All episodes of an evaluation together; `None` if it does not apply.
     Whole(fn(&[Episode]) -> Option<f64>),
-    /// The direction in which the failed parameter sets of an evaluation lie.
+    /// The direction of failure of an evaluation's parameter sets.
     Failures(fn(&Failures) -> Option<f64>),
-    /// The learning curve; `None` when nothing was learned.
+    /// The learning curve; `None` without learning.
     Learning(fn(&Curve) -> Option<f64>),
 }
 
 impl Source {
-    /// Whether it is one number of a run, with no value in each episode.
+    /// Whether it is one number per run, without values for episodes.
     pub fn is_of_a_run(self) -> bool {
         matches!(self, Self::Whole(_) | Self::Failures(_) | Self::Learning(_))
     }
 }
 
-/// Where the failed parameter sets of an evaluation lie.
+/// Direction of failure of an evaluation's parameter sets.
 #[derive(Clone, Copy, Debug)]
 pub struct Failures<'a> {
-    /// The entry of the direction of failure, a unit vector, for each parameter.
+    /// The direction's entry for each parameter; a unit vector.
     pub direction: &'a [(String, f64)],
-    /// The parameter that the claim asks for.
+    /// The parameter of the claim.
     pub parameter: &'a str,
 }
 
 impl Failures<'_> {
-    /// The size of a parameter's entry.
+    /// The absolute entry of a parameter.
     pub fn loading(&self) -> Option<f64> {
         self.direction.iter().find(|(name, _)| name == self.parameter).map(|(_, entry)| entry.abs())
     }
 
-    /// By how much a parameter's entry is larger than that of any other; negative where another leads.
+    /// The absolute entry of a parameter minus the largest one of the others; negative if another leads.
     fn lead(&self) -> Option<f64> {
         Some(self.loading()? - self.largest_other()?)
     }
 
-    /// The largest size of the other parameters' entries.
+    /// The largest absolute entry of the other parameters.
     fn largest_other(&self) -> Option<f64> {
         let others = self.direction.iter().filter(|(name, _)| name != self.parameter);
         others.map(|(_, entry)| entry.abs()).max_by(f64::total_cmp)
@@ -156,16 +156,16 @@ impl Failures<'_> {
 /// A learning curve.
 #[derive(Clone, Copy, Debug)]
 pub struct Curve<'a> {
-    /// Samples so far and mean return, for each update in which an episode ended.
+    /// Samples so far and mean return, for each update with a finished episode.
     pub points: &'a [(f64, f64)],
-    /// The return that the claim asks for.
+    /// The threshold of the claim.
     pub threshold: Option<f64>,
-    /// The time between two control steps in s, where it is known.
+    /// The time between two control steps in s, if known.
     pub control_step: Option<f64>,
 }
 
 impl MetricKind {
-    /// A metric that is a pure number of no better direction.
+    /// A metric that is a pure number without a better direction.
     const fn new(name: &'static str, doc: &'static str, label: &'static str, source: Source) -> Self {
         Self {
             kind: Kind { name, since: Edition::ONE, doc, params: &[], needs: &[] },
@@ -184,30 +184,30 @@ impl MetricKind {
         }
     }
 
-    /// The same in this unit, with so many decimals.
+    /// Sets the unit and the number of decimals.
     const fn unit(mut self, unit: &'static str, dimension: Dimension, digits: usize) -> Self {
         (self.unit, self.dimension, self.digits) = (unit, dimension, digits);
         self
     }
 
-    /// The same with values from 0: forces, errors, counts.
+    /// Restricts the values to zero and above: forces, errors, counts.
     const fn not_negative(self) -> Self {
         self.between(0.0, f64::INFINITY)
     }
 
-    /// The same with values in this range.
+    /// Restricts the values to this range.
     const fn between(mut self, least: f64, most: f64) -> Self {
         self.bounds = [least, most];
         self
     }
 
-    /// The same for these tasks only.
+    /// Restricts the tasks.
     const fn of(mut self, suited: Suited) -> Self {
         self.suited = suited;
         self
     }
 
-    /// The tasks it is meant for, by name; none for all.
+    /// The names of its tasks; empty for all.
     pub fn tasks(&self) -> Vec<&'static str> {
         if self.suited == Suited::All {
             return Vec::new();
@@ -216,48 +216,48 @@ impl MetricKind {
         suited.map(|task| task.kind.name).collect()
     }
 
-    /// Whether it says something about a task of this name.
+    /// Whether it applies to the task with this name.
     pub fn suits(&self, task: &str) -> bool {
         self.suited == Suited::All || task::meaning(task).is_some_and(|meaning| self.suited.takes(meaning))
     }
 
-    /// The same with a better direction.
+    /// Sets the better direction.
     const fn better(mut self, better: Better) -> Self {
         self.better = better;
         self
     }
 
-    /// The same of another sort of number.
+    /// Sets the type of its values.
     const fn scale(mut self, scale: Scale) -> Self {
         self.scale = scale;
         self
     }
 
-    /// The same as a sum of rewards.
+    /// Declares it as a sum of rewards.
     const fn sums(mut self, sums: Sums) -> Self {
         self.sums = sums;
         self
     }
 
-    /// The same where the world has these signals.
+    /// Requires these signals in the environment.
     const fn needs(mut self, needs: &'static [Signal]) -> Self {
         self.kind.needs = needs;
         self
     }
 
-    /// The same, meaningless for a robot that fails its task.
+    /// Declares it meaningless for a robot that fails its task.
     const fn of_a_task_done(mut self) -> Self {
         self.needs_task = true;
         self
     }
 
-    /// The same with a row in the table of an evaluation.
+    /// Adds it to the table of an evaluation.
     const fn in_tables(mut self) -> Self {
         self.tabled = true;
         self
     }
 
-    /// Its values in these episodes; `None` when there are none, or one of them lacks it.
+    /// Its values in these episodes; `None` without episodes, or if one of them lacks it.
     pub fn values(&self, episodes: &[Episode]) -> Option<Vec<f64>> {
         let values = match self.source {
             Source::Episodes(of) => Some(episodes.iter().map(of).collect()),
@@ -273,12 +273,12 @@ pub fn kinds() -> Vec<&'static Kind> {
     KINDS.iter().map(|metric| &metric.kind).collect()
 }
 
-/// The metric of a name.
+/// The metric with this name.
 pub fn find(name: &str) -> Option<&'static MetricKind> {
     KINDS.iter().copied().find(|metric| metric.kind.name == name)
 }
 
-/// What its page says beside its text.
+/// Additional facts for its page.
 pub fn facts(kind: &Kind) -> String {
     let Some(metric) = find(kind.name) else { return String::new() };
     let stage = match metric.source {

@@ -1,21 +1,21 @@
-//! Metrics of the episodes that survive.
+//! Metrics over the surviving episodes.
 
 use crate::outcome::Episode;
 
-/// The mean reward of the episodes that survive; `None` when none does.
+/// The mean reward of the surviving episodes; `None` if none survives.
 pub(super) fn mean(episodes: &[Episode]) -> Option<f64> {
     let rewards = rewards(episodes);
     (!rewards.is_empty()).then(|| rewards.iter().sum::<f64>() / rewards.len() as f64)
 }
 
-/// The sample standard deviation of their rewards; `None` when fewer than two survive.
+/// The sample standard deviation of their rewards; `None` if fewer than two survive.
 pub(super) fn deviation(episodes: &[Episode]) -> Option<f64> {
     let (mean, rewards) = (mean(episodes)?, rewards(episodes));
     let squares: f64 = rewards.iter().map(|reward| (reward - mean) * (reward - mean)).sum();
     (rewards.len() > 1).then(|| libm::sqrt(squares / (rewards.len() - 1) as f64))
 }
 
-/// The rewards of the episodes that survive.
+/// The rewards of the surviving episodes.
 fn rewards(episodes: &[Episode]) -> Vec<f64> {
     let alive = episodes.iter().filter(|episode| episode.survived);
     alive.map(|episode| episode.duration * episode.reward_per_second.values().sum::<f64>()).collect()
@@ -25,7 +25,7 @@ fn rewards(episodes: &[Episode]) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// Episodes that survive or not, with these rewards.
+    /// Episodes with given survival and reward.
     fn episodes(of: &[(bool, f64)]) -> Vec<Episode> {
         let episode = |&(survived, reward): &(bool, f64)| Episode {
             survived,

@@ -8,14 +8,14 @@ use crate::outcome::Episode;
 use crate::quantity::Dimension;
 use crate::spec::Signal;
 
-/// A metric by its name, its label in tables and its source. Its page is the Markdown file of its name.
+/// A metric by its name, its label in tables and its source. Its page is the Markdown file with its name.
 macro_rules! metric {
     ($name:literal, $label:literal, $source:expr) => {
         MetricKind::new($name, include_str!(concat!($name, ".md")), $label, $source)
     };
 }
 
-/// Every metric, in the order of the tables; those of learning come last.
+/// Every metric, in the order of the tables; those of trainings come last.
 pub static KINDS: &[&MetricKind] = &[
     &metric!("survival", "survival", Episodes(|e| f64::from(u8::from(e.survived))))
         .unit("%", Dimension::NONE, 0)
@@ -166,7 +166,7 @@ pub static KINDS: &[&MetricKind] = &[
         .of_a_task_done()
         .in_tables()
         .not_negative(),
-    &metric!("self_collision", "time with links inside each other", SomeEpisodes(|e| e.self_collision))
+    &metric!("self_collision", "time in self-collision", SomeEpisodes(|e| e.self_collision))
         .unit("%", Dimension::NONE, 1)
         .better(Lower)
         .in_tables()

@@ -1,4 +1,4 @@
-//! The motion `clip`: recorded joint angles, played on the robot's leg joints of the same function.
+//! The motion `clip`: recorded joint angles, mapped to the robot's leg joints by function.
 
 use nalgebra::Isometry3;
 
@@ -10,7 +10,7 @@ use crate::spec::typed::prelude::*;
 
 kind! {
     pub struct Clip = "clip" {
-        /// CSV file beside the motion file: joint angles in rad and contacts.
+        /// CSV file in the folder of the motion file: joint angles in rad and contacts.
         file: String,
         /// Duration of a cycle.
         #[range(0.1, 60.0)]
@@ -21,7 +21,7 @@ kind! {
     }
 }
 
-/// Harmonics of the base's height, which the recording lacks.
+/// Harmonics of the base's height, which the recording does not contain.
 const HEIGHT_HARMONICS: usize = 6;
 
 /// Columns of the file.
@@ -43,7 +43,7 @@ const COLUMNS: [&str; 14] = [
 ];
 
 impl Clip {
-    /// The text of the recording: no key of motion files, but what stages find beside them.
+    /// The text of the recording: not a key of motion files, but stages have it next to them.
     pub const TEXT: Key<Self, String> = Key::new("clip");
 }
 
@@ -78,7 +78,7 @@ fn played(clip: &Clip, robot: &Robot, text: Option<&str>) -> Result<Motion, Moti
     Ok(Motion { name: String::new(), period, speed, samples })
 }
 
-/// A sample with the contacts of the row at or before it, and all joints at rest.
+/// A sample at rest, with the contacts of the row at or before it.
 fn still(robot: &Robot, rows: &[[f64; 14]], index: usize) -> Frame {
     let row = &rows[index * rows.len() / SAMPLES];
     Frame {
@@ -91,7 +91,7 @@ fn still(robot: &Robot, rows: &[[f64; 14]], index: usize) -> Frame {
     }
 }
 
-/// What is wrong with a clip's file, and in which line of it.
+/// An error in a clip's file, with its line.
 #[derive(Debug)]
 struct Flaw {
     line: Option<usize>,
@@ -135,7 +135,7 @@ fn rows(text: &str) -> Result<Vec<[f64; 14]>, Flaw> {
     Ok(rows)
 }
 
-/// The numbers of a line: angles in rad within several turns, contacts 0 or 1.
+/// The numbers of a line: angles in rad within a few turns, contacts 0 or 1.
 fn row(line: &str, places: &[usize; 14]) -> Result<[f64; 14], String> {
     let fields: Vec<&str> = line.split(',').collect();
     let mut row = [0.0; 14];
@@ -156,8 +156,8 @@ fn row(line: &str, places: &[usize; 14]) -> Result<[f64; 14], String> {
     Ok(row)
 }
 
-/// Gives the base the height at which the lowest corner of a foot in contact touches the ground, and in
-/// flight the line between; smoothed, so that it has a velocity and an acceleration.
+/// Sets the base's height such that the lowest corner of a foot in contact touches the ground, interpolated
+/// linearly in flight; smoothed, so that it has a velocity and an acceleration.
 fn place_base(robot: &Robot, period: f64, speed: f64, samples: &mut [Frame]) {
     let mut kinematics = Kinematics::new(robot);
     let mut heights: Vec<Option<f64>> = Vec::with_capacity(samples.len());
@@ -175,7 +175,7 @@ fn place_base(robot: &Robot, period: f64, speed: f64, samples: &mut [Frame]) {
     }
 }
 
-/// Fills the gaps of a periodic signal by straight lines; without any value it is constant.
+/// Fills the gaps of a periodic signal by linear interpolation; without any value it is constant.
 fn bridged(values: &[Option<f64>], constant: f64) -> Vec<f64> {
     let count = values.len();
     let nearest = |index: usize, step: usize| {
@@ -202,7 +202,7 @@ impl Spline {
         let count = knots.len();
         let mut curvatures = vec![0.0; count];
         // The equations `m[i-1] + 4 m[i] + m[i+1] = 6 (y[i-1] - 2 y[i] + y[i+1])` are diagonally dominant:
-        // each Gauss-Seidel sweep takes off at least half of the error.
+        // each Gauss-Seidel sweep halves the error at least.
         for _ in 0..80 {
             for index in 0..count {
                 let (before, after) = ((index + count - 1) % count, (index + 1) % count);

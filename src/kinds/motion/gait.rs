@@ -1,4 +1,4 @@
-//! From a plan of base and foot to a gait: inverse kinematics of the left leg over one cycle, the right
+//! Converts a plan of base and foot into a gait: inverse kinematics of the left leg over one cycle, the right
 //! leg as its mirror image half a cycle later, and smooth joint angles with exact derivatives.
 
 use nalgebra::{Isometry3, UnitQuaternion};
@@ -9,10 +9,10 @@ use crate::robot::Kinematics;
 use crate::robot::Robot;
 use crate::robot::legs::{own, reach};
 
-/// Largest distance (m and rad together) between a planned foot and the one that the leg reaches.
+/// Largest error (m and rad together) between a planned foot pose and the one that the leg reaches.
 pub(super) const RESIDUAL: f64 = 1e-9;
 
-/// What a gait asks for at one phase.
+/// The planned state of a gait at one phase.
 #[derive(Clone, Debug)]
 pub(super) struct Stride {
     /// Height of the base origin above the ground in m.
@@ -25,18 +25,18 @@ pub(super) struct Stride {
     pub(super) acceleration: [f64; 3],
     /// Pose of the left foot's link in the base frame.
     pub(super) left: Isometry3<f64>,
-    /// Scheduled contact of the left foot.
+    /// Whether the left foot is in scheduled contact.
     pub(super) planted: bool,
 }
 
-/// How a gait repeats.
+/// Timing and smoothing of a gait.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cycle {
     /// Duration in s.
     pub(super) period: f64,
     /// Mean forward speed in m/s.
     pub(super) speed: f64,
-    /// Harmonics that the joint angles keep.
+    /// Number of harmonics of the joint angles.
     pub(super) harmonics: usize,
 }
 
@@ -103,10 +103,10 @@ fn write(frame: &mut Frame, joint: usize, [angle, rate, acceleration]: [f64; 3])
     frame.acceleration[joint] = acceleration;
 }
 
-/// How far (rad) a joint angle may pass a limit and be cut back to it.
+/// Excess (rad) over a limit up to which a joint angle is clipped.
 const LIMIT_TOLERANCE: f64 = 0.02;
 
-/// Cuts joint angles that pass a limit by a hair, as smoothing may make them, and refuses more.
+/// Clips joint angles that slightly exceed a limit, as smoothing may cause, and refuses larger excesses.
 pub(super) fn keep_within_limits(robot: &Robot, samples: &mut [Frame]) -> Result<(), MotionError> {
     let count = samples.len() as f64;
     for (index, frame) in samples.iter_mut().enumerate() {
@@ -128,7 +128,7 @@ pub(super) fn ease(share: f64) -> f64 {
     share * share * share * (10.0 + share * (6.0 * share - 15.0))
 }
 
-/// A swinging foot's lift `sin^2(pi u)`, from 0 to 1 and back.
+/// A swing foot's lift `sin^2(pi u)`, from 0 to 1 and back.
 pub(super) fn lift(share: f64) -> f64 {
     let sine = libm::sin(std::f64::consts::PI * share);
     sine * sine

@@ -18,22 +18,22 @@ use crate::robot::{Robot, leg_length, legs};
 use crate::spec::typed::Declared;
 use crate::spec::{Decoded, Kind, Section, decode};
 
-/// Samples of a cycle; divisible by 24, so that contact schedules in twelfths and clips of 24 frames fall
-/// on samples.
+/// Samples of a cycle; divisible by 24, so that contact schedules in twelfths and clips of 24 frames coincide
+/// with samples.
 pub const SAMPLES: usize = 720;
 
-/// The keys of a motion file, which give the motion of a robot.
+/// The keys of a motion file, which define the motion of a robot.
 pub trait Formula {
-    /// The motion for a robot; `recording` is the text of the CSV file that a clip names.
+    /// The motion for a robot; `recording` is the text of a clip's CSV file.
     fn motion(&self, robot: &Robot, recording: Option<&str>) -> Result<Motion, MotionError>;
 }
 
-/// The section in which a stage has the keys of a motion file.
+/// The section that holds the keys of a motion file in a stage.
 pub const SECTION: &str = "motion";
 
 /// An entry of the motion registry.
 pub struct MotionKind {
-    /// What may be written.
+    /// Its descriptor.
     pub kind: &'static Kind,
     /// Builds the motion for a robot from the decoded motion file and, for a clip, the text of its CSV file.
     pub build: fn(Section, &Robot, Option<&str>) -> Result<Motion, MotionError>,
@@ -61,31 +61,32 @@ pub fn kinds() -> Vec<&'static Kind> {
     KINDS.iter().map(|entry| entry.kind).collect()
 }
 
-/// Why a motion does not suit a robot.
+/// Why a motion does not fit a robot.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MotionError {
     /// The file's kind is not in the registry.
-    #[error("there is no motion kind `{0}`")]
+    #[error("unknown motion kind `{0}`")]
     UnknownKind(String),
-    /// The legs are not built as the motion needs them.
+    /// The legs do not have the structure that the motion needs.
     #[error("the motion needs legs with three pitch joints, hip, knee and \
         ankle{}", oblique_in_words(oblique.as_ref()))]
     Legs {
-        /// The joint of a leg that turns about no axis of the base, and its angle in rad to the nearest one.
+        /// The leg joint whose axis is not parallel to an axis of the base, and the angle in rad to the
+        /// nearest one.
         oblique: Option<(String, f64)>,
     },
-    /// The legs are not built as those of the recording.
+    /// The legs do not have the structure of the recording.
     #[error("a clip needs legs with one yaw, two roll and three pitch joints")]
     SixJoints,
-    /// A foot's place is out of the leg's reach.
+    /// A foot's position is out of the leg's reach.
     #[error("the foot's place at phase {phase:.3} is out of reach by {:.2} mm", 1e3 * residual)]
     OutOfReach {
         /// Phase of the motion.
         phase: f64,
-        /// What remains of the distance, m and rad together.
+        /// The remaining error, m and rad together.
         residual: f64,
     },
-    /// A joint would have to leave its limits.
+    /// A joint would exceed its limits.
     #[error("joint `{joint}` would be at {position:.3} rad at phase {phase:.3}, outside its limits")]
     OutsideLimits {
         /// The joint's name.
@@ -95,22 +96,22 @@ pub enum MotionError {
         /// Phase of the motion.
         phase: f64,
     },
-    /// The clip's file cannot be used: where in it and why.
+    /// The clip's file is invalid: location and reason.
     #[error("{0}")]
     Clip(String),
-    /// A number of the motion is not one that a robot can follow.
+    /// The motion has a value that no robot can follow.
     #[error("{0}")]
     Values(String),
 }
 
 impl MotionError {
-    /// Legs that are not built as the motion needs them.
+    /// The error for legs without the structure that the motion needs.
     fn legs(robot: &Robot) -> Self {
         Self::Legs { oblique: legs::oblique(robot) }
     }
 }
 
-/// A joint that stands aslant, as the end of a sentence.
+/// Describes a joint with an oblique axis, as the end of a sentence.
 fn oblique_in_words(oblique: Option<&(String, f64)>) -> String {
     oblique.map_or_else(String::new, |(joint, angle)| {
         format!(
@@ -120,8 +121,8 @@ fn oblique_in_words(oblique: Option<&(String, f64)>) -> String {
     })
 }
 
-/// The motion that a decoded motion file (a table with its `kind`) describes for a robot; `clip` is the
-/// text of the CSV file that a clip names.
+/// The motion that a decoded motion file (a table with its `kind`) describes for a robot; `clip` is the text
+/// of a clip's CSV file.
 pub fn build(name: &str, file: Section, robot: &Robot, clip: Option<&str>) -> Result<Motion, MotionError> {
     let kind = file.kind().unwrap_or_default();
     let entry = KINDS.iter().find(|entry| entry.kind.name == kind);
@@ -131,13 +132,12 @@ pub fn build(name: &str, file: Section, robot: &Robot, clip: Option<&str>) -> Re
     Ok(Motion { name: name.to_owned(), ..motion })
 }
 
-/// Reads a motion file, a text that was added to the sources. `None` when anything is wrong; the
-/// diagnostics are in the sink then.
+/// Reads a motion file, whose text is in the sources. `None` after an error, which is then in the sink.
 pub fn load(sources: &Sources, source: SourceId, sink: &mut Sink) -> Option<Decoded> {
     decode::document_of_kind(sources, source, &kinds(), sink)
 }
 
-/// A motion that comes with specforge, for a robot; `None` when there is none of this name.
+/// A motion included with specforge, for a robot; `None` if the name is unknown.
 pub fn shipped(name: &str, robot: &Robot) -> Option<Result<Motion, MotionError>> {
     let file = format!("{name}.toml");
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
@@ -147,12 +147,12 @@ pub fn shipped(name: &str, robot: &Robot) -> Option<Result<Motion, MotionError>>
     Some(build(name, section, robot, section.value(clip::Clip::file).as_deref().and_then(embedded)))
 }
 
-/// Factor from the lengths of a motion file, which belong to this leg length in m, to the robot's.
+/// Factor from the lengths of a motion file, which refer to this leg length in m, to the robot's.
 fn scale(reference_leg_length: f64, robot: &Robot) -> Result<f64, MotionError> {
     Ok(leg_length(robot).ok_or_else(|| MotionError::legs(robot))? / reference_leg_length)
 }
 
-/// The files that come with specforge, by name within `specs/motions/`.
+/// The files included with specforge, by name within `specs/motions/`.
 static EMBEDDED: [(&str, &str); 7] = [
     ("run_clip.csv", include_str!("../../../specs/motions/run_clip.csv")),
     ("run_clip.toml", include_str!("../../../specs/motions/run_clip.toml")),
@@ -163,12 +163,12 @@ static EMBEDDED: [(&str, &str); 7] = [
     ("walk_g1.toml", include_str!("../../../specs/motions/walk_g1.toml")),
 ];
 
-/// The text of a file of `specs/motions/` that comes with specforge.
+/// The text of a file of `specs/motions/` included with specforge.
 pub fn embedded(file: &str) -> Option<&'static str> {
     EMBEDDED.iter().find(|(known, _)| *known == file).map(|(_, text)| *text)
 }
 
-/// The names of the motions that come with specforge, sorted.
+/// The names of the motions included with specforge, sorted.
 pub fn names() -> impl Iterator<Item = &'static str> {
     EMBEDDED.iter().filter_map(|(file, _)| file.strip_suffix(".toml"))
 }
@@ -209,7 +209,7 @@ pub struct Frame {
     pub contact: [bool; 2],
 }
 
-/// Largest joint position in rad: several turns.
+/// Largest joint position in rad: a few turns.
 pub const MOST_ANGLE: f64 = 20.0;
 /// Largest forward speed in m/s.
 const MOST_SPEED: f64 = 10.0;
@@ -223,8 +223,8 @@ const MOST_RATE: f64 = 1e4;
 const MOST_ACCELERATION: f64 = 1e7;
 
 impl Motion {
-    /// Checks that its numbers are those of a motion, wide bounds that no robot reaches; the error names the
-    /// first that is not.
+    /// Checks that its values are within wide bounds that no robot reaches; the error names the first that is
+    /// not.
     pub fn check(&self) -> Result<(), String> {
         let within = |what: &str, value: f64, low: f64, high: f64| match (low..=high).contains(&value) {
             true => Ok(()),
@@ -257,8 +257,8 @@ impl Motion {
         Ok(())
     }
 
-    /// Writes the reference at a phase into `frame`, interpolated linearly between samples; the contact
-    /// schedule is that of the sample at or before the phase. Allocates only when `frame` is empty.
+    /// Writes the reference at a phase into `frame`, interpolated linearly between samples; the contacts are
+    /// those of the sample at or before the phase. Allocates only when `frame` is empty.
     pub fn at(&self, phase: f64, frame: &mut Frame) {
         self.state_at(phase, frame);
         let between = self.between(phase);
@@ -266,8 +266,8 @@ impl Motion {
         frame.base_acceleration = between.mix(|frame| frame.base_acceleration);
     }
 
-    /// The same without accelerations, which stay as they are: what an environment needs in every control
-    /// step.
+    /// As [`Motion::at`] without accelerations, which stay unchanged: what an environment needs in every
+    /// control step.
     pub fn state_at(&self, phase: f64, frame: &mut Frame) {
         let between = self.between(phase);
         between.mix_all(|frame| &frame.position, &mut frame.position);
@@ -299,11 +299,11 @@ impl Motion {
     }
 }
 
-/// A place between two samples.
+/// A position between two samples.
 struct Between<'a> {
     low: &'a Frame,
     high: &'a Frame,
-    /// How far from `low` to `high`, from 0 to 1.
+    /// Share of the way from `low` to `high`.
     share: f64,
 }
 

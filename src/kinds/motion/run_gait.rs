@@ -1,4 +1,4 @@
-//! The motion `run_gait`: a run whose flight phases are ballistic, in closed form.
+//! The motion `run_gait`: a closed-form run with ballistic flight phases.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,9 +11,9 @@ use crate::robot::{GRAVITY, Kinematics, Leg, Robot, leg_length};
 use crate::spec::typed::prelude::*;
 
 reference! {
-    /// What a flight is a share of.
+    /// Reference of the flight share.
     pub Step = "a step";
-    /// What the extension of a leg is a share of.
+    /// Reference of a leg's extension.
     pub LegLength = "the leg length";
 }
 
@@ -25,38 +25,37 @@ kind! {
         /// Share of a step without ground contact.
         #[range(0.0, 0.9)]
         flight: Ratio<Step>,
-        /// Forward speed; not scaled.
+        /// Forward speed; does not scale with leg length.
         #[range(-10.0, 10.0)]
         speed: Quantified<MetrePerSecond>,
         /// Forward lean of the trunk.
         #[range(-0.7, 0.7)]
         lean: Quantified<Radian>,
-        /// Leg length that the lengths below belong to; they are scaled to the robot's leg length.
+        /// Leg length to which the lengths below refer; they are scaled to the robot's leg length.
         #[range(0.01, 10.0)]
         reference_leg_length: Quantified<Metre>,
-        /// Height of the foot in the middle of its swing.
+        /// Height of the foot at mid-swing.
         #[range(0.0, 5.0)]
         foot_lift: Quantified<Metre>,
-        /// Distance of a foot from the middle of the way.
+        /// Lateral distance of a foot from the centre line.
         #[range(0.0, 5.0)]
         half_foot_spacing: Quantified<Metre>,
-        /// Sideways swing of the base towards the standing foot.
+        /// Lateral sway of the base towards the stance foot.
         #[range(-5.0, 5.0)]
         sway: Quantified<Metre>,
-        /// How far behind the centre of mass of the leaning standing pose the ankle is in the middle of its
-        /// stance.
+        /// Distance of the ankle at mid-stance behind the centre of mass of the leaning standing pose.
         #[range(-5.0, 5.0)]
         setback: Quantified<Metre>,
-        /// Largest distance of hip and ankle in stance; it keeps the knee bent.
+        /// Largest distance between hip and ankle in stance; keeps the knee bent.
         #[range(0.3, 0.999)]
         reach: Ratio<LegLength>,
-        /// Harmonics of the Fourier series that the joint angles are smoothed to.
+        /// Harmonics of the Fourier series that smooths the joint angles.
         #[range(1.0, 100.0)]
         harmonics: usize,
     }
 }
 
-/// The closed form in the robot's own lengths.
+/// The closed form with the robot's lengths.
 struct ScaledRun {
     period: f64,
     speed: f64,
@@ -65,9 +64,9 @@ struct ScaledRun {
     spacing: f64,
     sway: f64,
     lean: UnitQuaternion<f64>,
-    /// How far ahead of the base origin the ankle is in the middle of its stance.
+    /// Distance of the ankle at mid-stance in front of the base origin.
     ahead: f64,
-    /// Height of the ankle over its sole.
+    /// Height of the ankle above its sole.
     ankle: f64,
     bounce: Bounce,
     /// Height of the base at touch-down.
@@ -124,16 +123,16 @@ impl ScaledRun {
         )
     }
 
-    /// The base's sideways place, velocity and acceleration: towards the left foot in the middle of its
-    /// stance.
+    /// The base's lateral position, velocity and acceleration: towards the left foot at mid-stance of the
+    /// left foot.
     fn sideways(&self, time: f64) -> [f64; 3] {
         let pulse = TAU / self.period;
         let (sine, cosine) = libm::sincos(pulse * (time - 0.5 * self.stance));
         [self.sway * cosine, -self.sway * pulse * sine, -self.sway * pulse * pulse * cosine]
     }
 
-    /// The height of the base at touch-down at which the leg's largest extension in stance is `reach` of
-    /// its length.
+    /// The height of the base at touch-down at which the leg's largest extension in stance is `reach` of its
+    /// length.
     fn lowest_height(&self, reach: f64, robot: &Robot) -> Result<f64, MotionError> {
         let length = reach * leg_length(robot).ok_or_else(|| MotionError::legs(robot))?;
         let [(hip, _), ..] = Leg::pitches(robot, 0).ok_or_else(|| MotionError::legs(robot))?;
@@ -166,18 +165,18 @@ impl ScaledRun {
     }
 }
 
-/// The vertical motion of one step: pushed by a force `F0 sin(pi t / stance)^0.7` whose mean over the step
-/// is the weight, then ballistic.
+/// The vertical motion of one step: accelerated by a force `F0 sin(pi t / stance)^0.7` whose mean over the
+/// step is the weight, then ballistic.
 struct Bounce {
     stance: f64,
-    /// Velocity at take-off, the opposite of that at touch-down.
+    /// Velocity at take-off, opposite to that at touch-down.
     take_off: f64,
-    /// Height over that at touch-down, velocity and acceleration at equal intervals of the stance.
+    /// Height relative to touch-down, velocity and acceleration at equal intervals of the stance.
     table: Vec<[f64; 3]>,
 }
 
 impl Bounce {
-    /// Intervals of the table.
+    /// Number of intervals of the table.
     const INTERVALS: usize = 4096;
 
     fn new(step: f64, stance: f64) -> Self {
@@ -198,7 +197,7 @@ impl Bounce {
         Self { stance, take_off, table }
     }
 
-    /// Height over that at touch-down in m, velocity in m/s and acceleration in m/s^2.
+    /// Height relative to touch-down in m, velocity in m/s and acceleration in m/s^2.
     fn at(&self, time: f64) -> [f64; 3] {
         if time >= self.stance {
             let flown = time - self.stance;

@@ -1,4 +1,4 @@
-//! The motion `squat`: down, hold, up and rest with both feet planted.
+//! The motion `squat`: down, hold, up and rest, with both feet planted.
 
 use nalgebra::{Isometry3, Translation3, Vector3};
 
@@ -13,19 +13,19 @@ kind! {
         /// Time in the default pose at the start of the cycle, and again at its end.
         #[range(0.0, 60.0)]
         rest: Quantified<Second>,
-        /// Duration of going down, and of going up.
+        /// Duration of the way down, and of the way up.
         #[range(0.05, 60.0)]
         r#move: Quantified<Second>,
         /// Time in the squatting pose.
         #[range(0.0, 60.0)]
         hold: Quantified<Second>,
-        /// Hip pitch when squatting, about +y.
+        /// Hip pitch in the squatting pose, about +y.
         #[range(-3.2, 3.2)]
         hip_pitch: Quantified<Radian>,
-        /// Knee when squatting, about +y.
+        /// Knee angle in the squatting pose, about +y.
         #[range(-3.2, 3.2)]
         knee: Quantified<Radian>,
-        /// Ankle pitch when squatting, about +y.
+        /// Ankle pitch in the squatting pose, about +y.
         #[range(-3.2, 3.2)]
         ankle_pitch: Quantified<Radian>,
     }
@@ -68,15 +68,15 @@ fn squatting(squat: &Squat, robot: &Robot) -> Result<Vec<f64>, MotionError> {
     Ok(pose)
 }
 
-/// Largest tilt of a sole in rad on the way down, and way in m of one sole from the other, with which both
-/// are planted.
+/// Largest tilt of a sole in rad on the way down, and largest displacement in m of one sole relative to the
+/// other, for planted feet.
 const PLANTED: [f64; 2] = [0.01, 5e-3];
 
-/// Angle in rad to the base's y axis from which on a pitch joint is aslant.
+/// Angle in rad to the base's y axis from which a pitch joint is oblique.
 const ASLANT: f64 = 0.01;
 
-/// Whether a pitch joint of a leg turns about another axis than the base's y: the angles of the motion's file
-/// are not the foot's then.
+/// Whether a pitch joint of a leg has another axis than the base's y; the file's angles then do not keep the
+/// foot flat.
 fn is_aslant(robot: &Robot) -> Result<bool, MotionError> {
     let mut kinematics = Kinematics::new(robot);
     kinematics.place(&Isometry3::identity(), &vec![0.0; robot.joints()]);
@@ -93,7 +93,7 @@ fn is_aslant(robot: &Robot) -> Result<bool, MotionError> {
     Ok(false)
 }
 
-/// Whether both soles stay where they are while the joints go from one pose to the other.
+/// Whether both soles stay in place while the joints move from one pose to the other.
 fn stays_planted(robot: &Robot, standing: &[f64], low: &[f64]) -> bool {
     let mut kinematics = Kinematics::new(robot);
     let mut soles = |share: f64| {
@@ -113,8 +113,8 @@ fn stays_planted(robot: &Robot, standing: &[f64], low: &[f64]) -> bool {
     })
 }
 
-/// Goes down with both feet planted by inverse kinematics: the base sinks and shifts as far as it does over
-/// the squatting pose, with the feet as they stand. Velocities and accelerations are central differences.
+/// Moves down with both feet planted by inverse kinematics: the base moves down and sideways as it does in
+/// the squatting pose, with the feet where they stand. Velocities and accelerations are central differences.
 fn plant(
     robot: &Robot,
     period: f64,
@@ -132,7 +132,7 @@ fn plant(
     let way = middle(&kinematics) - stands;
     let way = Vector3::new(way.x, 0.0, way.z);
     for (index, ([share, ..], frame)) in depths.iter().zip(samples.iter_mut()).enumerate() {
-        // Straight knees bend either way: the pose between both says which.
+        // Straight knees can bend either way: the intermediate pose determines the direction.
         let mut position = frame.position.clone();
         for (side, foot) in feet.iter().enumerate() {
             let target = Translation3::from(way * *share) * *foot;
@@ -156,7 +156,7 @@ fn plant(
     Ok(())
 }
 
-/// How far down, from 0 to 1, with first and second time derivative: a cubic in each direction.
+/// Depth from 0 to 1, with first and second time derivative: a cubic in each direction.
 fn depth(time: f64, [rest, travel, hold]: [f64; 3]) -> [f64; 3] {
     let cubic = |share: f64| {
         [
@@ -190,7 +190,7 @@ fn frame(standing: &[f64], low: &[f64], [share, rate, acceleration]: [f64; 3]) -
     }
 }
 
-/// Puts the base where the planted feet want it; its velocity and acceleration are central differences.
+/// Moves the base such that the feet stay planted; its velocity and acceleration are central differences.
 fn place_base(robot: &Robot, period: f64, samples: &mut [Frame]) {
     let mut kinematics = Kinematics::new(robot);
     let mut place = |frame: &Frame| {

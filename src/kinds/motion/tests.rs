@@ -1,4 +1,4 @@
-//! Tests of the motions that come with specforge on the robots that come with it.
+//! Tests of the shipped motions on the shipped robots.
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
@@ -89,7 +89,7 @@ fn rates_and_accelerations_are_the_derivatives_of_the_angles() {
                 let rate = (after.position[joint] - before.position[joint]) / (2.0 * step);
                 assert!((here.velocity[joint] - rate).abs() < 0.04, "{name} {index} {joint}");
                 let acceleration = (after.velocity[joint] - before.velocity[joint]) / (2.0 * step);
-                // A clip's spline has corners in its acceleration, a squat's cubic has steps.
+                // A clip's spline has kinks in its acceleration, a squat's cubic has jumps.
                 let smooth = !matches!(name, "run_clip" | "squat");
                 assert!(
                     !smooth || (here.acceleration[joint] - acceleration).abs() < 0.5,
@@ -102,7 +102,7 @@ fn rates_and_accelerations_are_the_derivatives_of_the_angles() {
     }
 }
 
-/// Largest drift (m) of a sole's place in the world from its mean over its stances, and largest height.
+/// Largest drift (m) of a sole's position from its mean over the stance phases, and largest height.
 fn stance_drift(motion: &Motion, robot: &Robot) -> (f64, f64) {
     let mut kinematics = Kinematics::new(robot);
     let (count, step) = (motion.samples.len(), motion.period / motion.samples.len() as f64);
@@ -166,7 +166,7 @@ fn the_walk_has_its_published_steps() {
 
 #[test]
 fn the_walk_agrees_with_the_figures_of_the_authors_cycle() {
-    // Ranges of the authors' walking cycle, sample by sample in the documents' summary: hip roll -0.081 to
+    // Ranges of the authors' walking cycle over its samples, from the documents' summary: hip roll -0.081 to
     // 0.167, hip pitch -0.466 to -0.103, knee 0.508 to 0.938, ankle pitch -0.521 to -0.206 rad.
     let motion = motion("walk", &robot("tocabi"));
     for (joint, low, high) in
@@ -225,7 +225,7 @@ fn the_run_keeps_clear_of_the_straight_knee_and_asks_for_documented_rates() {
 
 #[test]
 fn the_legs_of_a_run_reach_no_further_than_stated() {
-    // Before smoothing the largest distance is exactly 96.5 %; smoothing moves it a little.
+    // Before smoothing the largest distance is exactly 96.5 %; smoothing changes it slightly.
     for name in ROBOTS {
         let robot = robot(name);
         let motion = motion("run_gait", &robot);
@@ -281,7 +281,7 @@ fn the_registry_is_sorted_and_every_page_has_a_summary() {
     }
 }
 
-/// The TOCABI motion of a shipped file after its text was changed.
+/// The TOCABI motion of a shipped file with a changed text.
 fn changed(name: &str, from: &str, to: &str) -> Result<Motion, MotionError> {
     let text = embedded(&format!("{name}.toml")).unwrap();
     assert!(text.contains(from), "{from}");
@@ -304,7 +304,7 @@ fn a_motion_that_the_robot_cannot_do_is_refused() {
     assert!(matches!(lost, Err(MotionError::Clip(_))), "a clip without its file");
 }
 
-/// TOCABI with hip pitch axes turned by this angle about x, outwards on both sides, as humanoids are built.
+/// TOCABI with hip pitch axes rotated by this angle about x, outwards on both sides, as in many humanoids.
 fn slanted(angle: f64) -> Robot {
     let mut robot = robot("tocabi");
     for (joint, side) in [(2, 1.0), (8, -1.0)] {
@@ -320,7 +320,7 @@ fn slanted(angle: f64) -> Robot {
 fn a_squat_of_legs_with_slanted_hips_keeps_both_soles_planted() {
     for degrees in [0.0_f64, 10.0, 25.0, 35.0] {
         let mut robot = slanted(degrees.to_radians());
-        // Straight legs are level whatever the axes of their hips.
+        // Straight legs are level whatever the hip axes.
         robot
             .links
             .iter_mut()
@@ -346,7 +346,7 @@ fn a_squat_of_legs_with_slanted_hips_keeps_both_soles_planted() {
             lowest = lowest.min(frame.base_height);
             let next = &squat.samples[(index + 1) % squat.samples.len()];
             let step = squat.period / squat.samples.len() as f64;
-            // A straight knee begins to bend at once, so its speed jumps at both ends of the way.
+            // A straight knee begins to bend at once, so its speed jumps at both ends of the motion.
             let moves = |height: f64| height < robot.standing_height - 0.01;
             for joint in (0..robot.joints()).filter(|_| moves(frame.base_height) && moves(next.base_height)) {
                 let mean = 0.5 * (frame.velocity[joint] + next.velocity[joint]);
@@ -364,7 +364,9 @@ fn a_squat_of_legs_with_slanted_hips_keeps_both_soles_planted() {
 #[test]
 fn legs_without_three_pitch_joints_name_the_joint_that_stands_aslant() {
     let aslant = slanted(45.0_f64.to_radians());
-    let said =
-        shipped("squat", &aslant).expect("it is shipped").expect_err("its hip is no pitch joint").to_string();
+    let said = shipped("squat", &aslant)
+        .expect("it is shipped")
+        .expect_err("its hip has an oblique axis")
+        .to_string();
     assert!(said.contains("joint `L_HipPitch_Joint` is 45 deg off every axis of the base"), "{said}");
 }

@@ -1,5 +1,5 @@
 //! The motion `walk`: a flat-footed walk in closed form, scaled to the robot's legs and anchored at its
-//! own standing pose.
+//! standing pose.
 
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ use crate::robot::{Kinematics, Robot};
 use crate::spec::typed::prelude::*;
 
 reference! {
-    /// What a double support is a share of.
+    /// Reference of the double support.
     pub WholeCycle = "a cycle";
 }
 
@@ -20,44 +20,44 @@ kind! {
         /// Duration of a cycle of two steps.
         #[range(0.1, 60.0)]
         period: Quantified<Second>,
-        /// Leg length that the lengths below belong to; they are scaled to the robot's leg length.
+        /// Leg length to which the lengths below refer; they are scaled to the robot's leg length.
         #[range(0.01, 10.0)]
         reference_leg_length: Quantified<Metre>,
         /// Length of a step.
         #[range(0.0, 5.0)]
         step_length: Quantified<Metre>,
-        /// Height of the foot in the middle of its swing.
+        /// Height of the foot at mid-swing.
         #[range(0.0, 5.0)]
         foot_lift: Quantified<Metre>,
-        /// Distance of a foot from the middle of the way.
+        /// Lateral distance of a foot from the centre line.
         #[range(0.0, 5.0)]
         half_foot_spacing: Quantified<Metre>,
-        /// How much further ahead of the base than in the standing pose the ankle is in the middle of its
-        /// stance.
+        /// Additional distance of the ankle in front of the base at mid-stance, relative to the standing
+        /// pose.
         #[range(-5.0, 5.0)]
         forward_offset: Quantified<Metre>,
-        /// Sideways swing of the base, once per cycle.
+        /// Lateral sway of the base, once per cycle.
         #[range(-5.0, 5.0)]
         sway: Quantified<Metre>,
-        /// Its third harmonic.
+        /// Third harmonic of the sway.
         #[range(-5.0, 5.0)]
         sway_third: Quantified<Metre>,
-        /// Forward and backward swing of the base about its mean motion, twice per cycle.
+        /// Fore-aft oscillation of the base about its mean motion, twice per cycle.
         #[range(-5.0, 5.0)]
         speed_ripple: Quantified<Metre>,
-        /// Phase by which the base's swings lag the steps.
+        /// Phase lag of the base's oscillations behind the steps.
         #[range(-0.5, 0.5)]
         phase_shift: f64,
-        /// Duration of each of the two double supports.
+        /// Duration of each of the two double-support phases.
         #[range(0.0, 0.45)]
         double_support: Ratio<WholeCycle>,
-        /// Harmonics of the Fourier series that the joint angles are smoothed to.
+        /// Harmonics of the Fourier series that smooths the joint angles.
         #[range(1.0, 100.0)]
         harmonics: usize,
     }
 }
 
-/// The closed form in the robot's own lengths.
+/// The closed form with the robot's lengths.
 struct ScaledWalk {
     period: f64,
     step: f64,
@@ -67,7 +67,7 @@ struct ScaledWalk {
     ripple: f64,
     shift: f64,
     double: f64,
-    /// Ankle in the base frame in the middle of its stance.
+    /// Ankle in the base frame at mid-stance.
     anchor: [f64; 2],
     height: f64,
 }
@@ -101,15 +101,15 @@ impl ScaledWalk {
         })
     }
 
-    /// The left foot: share of the swing that is over, `None` while planted.
+    /// Share of the left foot's swing that has passed; `None` in stance.
     fn swing(&self, phase: f64) -> Option<f64> {
         let (start, end) = (0.5 * self.double, 0.5 - 0.5 * self.double);
         let share = (phase - start) / (end - start);
-        // A hair's breadth of tolerance keeps the schedule of both feet alike where it falls on a sample.
+        // A small tolerance makes the schedules of both feet equal if they coincide with a sample.
         (-1e-9..1.0 - 1e-9).contains(&share).then(|| share.max(0.0))
     }
 
-    /// The base's forward displacement beyond its mean motion and its sideways place, with first and
+    /// The base's forward displacement relative to its mean motion and its lateral position, with first and
     /// second time derivatives.
     fn base(&self, phase: f64) -> [[f64; 3]; 2] {
         let wave = |amplitude: f64, harmonic: f64| {
@@ -127,8 +127,8 @@ impl ScaledWalk {
             Some(share) => (ease(share), lift(share)),
             None => (if phase < 0.25 { 0.0 } else { 1.0 }, 0.0),
         };
-        // Forward place of the left foot; at phase 0.75, in the middle of its stance, the base has come one
-        // and a half steps from its place at phase 0, which makes the ankle's place ahead of it `anchor`.
+        // Forward position of the left foot; at phase 0.75, at its mid-stance, the base has moved by one and
+        // a half steps since phase 0, so that the ankle is at `anchor` relative to it.
         let foot = self.step * (2.0 * moved - 1.0);
         let [ripple, sway] = self.base(phase);
         let base = self.step * (2.0 * phase - 0.5) - self.anchor[0] + ripple[0];

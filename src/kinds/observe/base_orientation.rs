@@ -5,12 +5,12 @@ use crate::spec::typed::prelude::*;
 
 kind! {
     pub struct BaseOrientation = "base_orientation", needs [BaseOrientation] {
-        /// What becomes 1 after normalisation, for roll, pitch, yaw; one number stands for all.
+        /// Values that are normalised to 1, for roll, pitch, yaw; a single number applies to all.
         #[range(1e-9, 1e9)]
         #[length(Length::OneOrEach(&["roll", "pitch", "yaw"]))]
         #[default("[\"0.1 rad\", \"0.1 rad\", \"0.2 rad\"]")]
         scale: Vec<Quantified<Radian>>,
-        /// Bound of the normalised numbers, both signs.
+        /// Bound on the normalised numbers, both signs.
         #[range(1e-3, 1e6)]
         #[default("8.0")]
         clip: f64,

@@ -5,13 +5,13 @@ use crate::spec::typed::prelude::*;
 
 kind! {
     pub struct CommandSpeed = "command", needs [CommandSpeed] {
-        /// What becomes 0 after normalisation.
+        /// Value that is normalised to 0.
         #[range(-100.0, 100.0)]
         offset: Option<Quantified<MetrePerSecond>>,
-        /// What becomes 1 above the offset after normalisation.
+        /// Difference from the offset that is normalised to 1.
         #[range(1e-9, 1e9)]
         scale: Option<Quantified<MetrePerSecond>>,
-        /// Bound of the normalised numbers, both signs.
+        /// Bound on the normalised numbers, both signs.
         #[range(1e-3, 1e6)]
         #[default("8.0")]
         clip: f64,

@@ -8,13 +8,13 @@ kind! {
         /// Encoder noise; without it positions are exact.
         #[range(-3.2, 3.2)]
         noise: Option<Sampled<Radian>>,
-        /// What becomes 1 after normalisation: one number; six, those of hip yaw, hip roll, hip pitch,
-        /// knee, ankle pitch and ankle roll of either leg; or one per joint.
+        /// Values that are normalised to 1: one number; six, for hip yaw, hip roll, hip pitch, knee, ankle
+        /// pitch and ankle roll of either leg; or one per joint.
         #[range(1e-9, 1e9)]
         #[length(Length::Some)]
         #[default("[\"0.15 rad\"]")]
         scale: Vec<Quantified<Radian>>,
-        /// Bound of the normalised numbers, both signs.
+        /// Bound on the normalised numbers, both signs.
         #[range(1e-3, 1e6)]
         #[default("8.0")]
         clip: f64,

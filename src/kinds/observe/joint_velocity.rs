@@ -5,17 +5,17 @@ use crate::spec::typed::prelude::*;
 
 kind! {
     pub struct JointVelocity = "joint_velocity", needs [Joints] {
-        /// Cut-off frequency of the filter; without it the difference is used as it is.
+        /// Cut-off frequency of the filter; without it the raw difference is used.
         #[range(1e-3, 1e5)]
         low_pass: Option<Quantified<Hertz>>,
-        /// What becomes 1 after normalisation: one number; six, those of hip yaw, hip roll, hip pitch,
-        /// knee, ankle pitch and ankle roll of either leg; or one per joint.
+        /// Values that are normalised to 1: one number; six, for hip yaw, hip roll, hip pitch, knee, ankle
+        /// pitch and ankle roll of either leg; or one per joint.
         #[range(1e-9, 1e9)]
         #[length(Length::Some)]
         #[default("[\"0.135 rad/s\", \"0.272 rad/s\", \"0.587 rad/s\", \"0.998 rad/s\", \"0.654 rad/s\", \
             \"0.399 rad/s\"]")]
         scale: Vec<Quantified<RadianPerSecond>>,
-        /// Bound of the normalised numbers, both signs.
+        /// Bound on the normalised numbers, both signs.
         #[range(1e-3, 1e6)]
         #[default("8.0")]
         clip: f64,

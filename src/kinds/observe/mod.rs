@@ -1,4 +1,4 @@
-//! Observations: what the policy sees, in this canonical order whatever the order in the spec.
+//! Observations: the policy's inputs, in this canonical order whatever the order in the spec.
 
 pub mod base_orientation;
 pub mod command;
@@ -12,9 +12,9 @@ use crate::robot::{Leg, Robot};
 use crate::spec::typed::prelude::*;
 use crate::spec::{Kind, Section};
 
-/// An observation: the numbers that it adds to the vector and how they are read.
+/// An observation: its inputs and how they are measured.
 pub trait Observed {
-    /// The numbers it adds, in order.
+    /// Its inputs, in order.
     fn inputs(&self, subject: &Subject) -> Vec<Input>;
     /// The raw value (SI units) of one of them.
     fn read(readings: &Readings, index: usize) -> f64;
@@ -22,9 +22,9 @@ pub trait Observed {
 
 /// A registry entry.
 pub struct ObserveKind {
-    /// What may be written.
+    /// Its descriptor.
     pub kind: &'static Kind,
-    /// The numbers it adds, in order.
+    /// Its inputs, in order.
     pub inputs: fn(Section, &Subject) -> Vec<Input>,
     /// The raw value (SI units) of one of them.
     pub read: fn(&Readings, usize) -> f64,
@@ -40,7 +40,7 @@ impl ObserveKind {
     }
 }
 
-/// Whom an observation is about.
+/// The context of an observation.
 #[derive(Clone, Copy, Debug)]
 pub struct Subject<'a> {
     /// The robot.
@@ -49,10 +49,10 @@ pub struct Subject<'a> {
     pub command: [f64; 2],
 }
 
-/// What is measured, in SI units. Joint vectors are in joint order.
+/// Measurements, in SI units. Joint vectors are in joint order.
 ///
 /// With `mirror` the joint vectors are those of the mirrored robot: [`Readings::joint_position`] and
-/// [`Readings::joint_velocity`] look through it, the slices themselves are as measured.
+/// [`Readings::joint_velocity`] apply the mirror, the slices themselves are as measured.
 #[derive(Clone, Copy, Debug)]
 pub struct Readings<'a> {
     /// Fixed-XYZ angles of the base (roll, pitch, yaw) in rad.
@@ -65,17 +65,17 @@ pub struct Readings<'a> {
     pub phase: f64,
     /// Commanded forward speed in m/s.
     pub command_speed: f64,
-    /// The robot's mirror map, when it is seen in the mirror.
+    /// The robot's mirror map, for a mirrored observation.
     pub mirror: Option<&'a [(usize, f64)]>,
 }
 
 impl Readings<'_> {
-    /// Position of a joint in rad, seen in the mirror where there is one.
+    /// Position of a joint in rad, mirrored if there is a mirror map.
     pub fn joint_position(&self, joint: usize) -> f64 {
         self.seen(self.position, joint)
     }
 
-    /// Velocity of a joint in rad/s, seen in the mirror where there is one.
+    /// Velocity of a joint in rad/s, mirrored if there is a mirror map.
     pub fn joint_velocity(&self, joint: usize) -> f64 {
         self.seen(self.velocity, joint)
     }
@@ -88,7 +88,7 @@ impl Readings<'_> {
     }
 }
 
-/// One number of the observation: the policy sees `clamp((raw - offset) / scale, -clip, clip)`.
+/// One number of the observation: the policy gets `clamp((raw - offset) / scale, -clip, clip)`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Input {
     /// The quantity (`joint_position`, `phase_sin`).
@@ -97,11 +97,11 @@ pub struct Input {
     pub joint: Option<String>,
     /// SI unit of the raw value.
     pub unit: String,
-    /// Raw value that becomes 0.
+    /// Raw value that is normalised to 0.
     pub offset: f64,
-    /// Raw difference that becomes 1.
+    /// Raw difference that is normalised to 1.
     pub scale: f64,
-    /// Bound of the normalised value.
+    /// Bound on the normalised value.
     pub clip: f64,
 }
 
@@ -120,19 +120,19 @@ pub fn kinds() -> Vec<&'static Kind> {
 }
 
 terms! {
-    /// What the policy sees.
+    /// The policy's inputs.
     pub struct Observations in "observe", "observation";
 }
 
-/// Spreads a list of scales over `count` numbers, repeating it: one number is for all, one leg's numbers
-/// are for both legs.
+/// Repeats a list of scales up to `count` numbers: one number applies to all, one leg's numbers apply to both
+/// legs.
 fn spread(scales: &[f64], count: usize) -> Vec<f64> {
     scales.iter().copied().cycle().take(count).collect()
 }
 
-/// Spreads a list of scales over the joints of a robot. Six numbers are those of hip yaw, hip roll, hip
-/// pitch, knee, ankle pitch and ankle roll, whatever the order of the robot's joints; a robot without such
-/// legs takes them in turn.
+/// Assigns a list of scales to the joints of a robot. Six numbers are those of hip yaw, hip roll, hip pitch,
+/// knee, ankle pitch and ankle roll, whatever the robot's joint order; for a robot without such legs they are
+/// repeated.
 fn spread_over_joints(scales: &[f64], robot: &Robot) -> Vec<f64> {
     let mut spread = spread(scales, robot.joints());
     if scales.len() == 6 && scales.len() < spread.len() {

@@ -5,11 +5,11 @@ use crate::spec::typed::prelude::*;
 
 kind! {
     pub struct Phase = "phase", needs [Phase] {
-        /// What becomes 1 after normalisation.
+        /// Value that is normalised to 1.
         #[range(1e-9, 1e9)]
         #[default("0.7")]
         scale: f64,
-        /// Bound of the normalised numbers, both signs.
+        /// Bound on the normalised numbers, both signs.
         #[range(1e-3, 1e6)]
         #[default("8.0")]
         clip: f64,

@@ -1,4 +1,4 @@
-//! The ways to fit the actor to labels before any simulation. What they do stands in `learn/pretrain/`.
+//! Pre-training: fitting the actor to labels before any simulation. `learn/pretrain/` implements it.
 
 pub mod gravity_compensation;
 pub mod tracking;
@@ -9,22 +9,22 @@ pub use tracking::Tracking;
 use crate::spec::typed::prelude::*;
 
 section! {
-    /// What the actor is fitted to.
+    /// Labels of the actor.
     pub enum Pretraining in "pretrain",
     "pre-training" { gravity_compensation: GravityCompensation, tracking: Tracking }
 }
 
 reference! {
-    /// What the noise of velocities is a share of.
+    /// Reference of the velocity noise.
     pub VelocityScale = "the observation's joint velocity scale";
 }
 
 choice! {
-    /// What the phase action is taught.
+    /// Label of the phase action.
     pub enum PhaseLabel {
-        /// Nothing: it is left out of the loss.
+        /// None: it is masked in the loss.
         Masked = "masked",
-        /// The mean of a uniform distribution over [0, 1].
+        /// Random from [0, 1]; the actor learns the mean.
         Random = "random",
         /// The nominal cadence.
         Zero = "zero",
@@ -32,9 +32,9 @@ choice! {
 }
 
 keys! {
-    /// What the pre-trainings have in common.
+    /// Common keys of all pre-trainings.
     pub struct Lesson in "pretrain" {
-        /// Labelled states; a twentieth more is drawn and held out. The paper: 200 k.
+        /// Number of labelled states; 5 % more are drawn and held out. The paper: 200 k.
         #[range(1.0, 1e9)]
         #[default("\"200 k\"")]
         samples: u64,
@@ -46,12 +46,12 @@ keys! {
         #[range(1.0, 1e8)]
         #[default("512")]
         minibatch: usize,
-        /// Adam's step size at the first and at the last step, linear between.
+        /// Adam's step size at the first and at the last step, linear in between.
         #[range(0.0, 1.0)]
         #[length(Length::Each(&["first", "last"]))]
         #[default("[1e-3, 1e-5]")]
         learning_rate: Vec<f64>,
-        /// Standard deviation of the joint positions about the pose, drawn once per sample.
+        /// Standard deviation of the joint positions around the pose, drawn once per sample.
         #[range(-3.2, 3.2)]
         #[default("{ uniform = [\"0.05 rad\", \"0.15 rad\"] }")]
         position_noise: Sampled<Radian>,
@@ -68,7 +68,7 @@ keys! {
 }
 
 impl Pretraining {
-    /// What the pre-trainings have in common.
+    /// Common keys of all pre-trainings.
     pub fn lesson(&self) -> &Lesson {
         match self {
             Self::GravityCompensation(kind) => &kind.lesson,
@@ -76,7 +76,7 @@ impl Pretraining {
         }
     }
 
-    /// What the phase action is taught.
+    /// Label of the phase action.
     pub fn phase_label(&self) -> PhaseLabel {
         match self {
             Self::GravityCompensation(kind) => kind.phase_label,

@@ -6,10 +6,10 @@ use crate::stream::Stream;
 
 kind! {
     pub struct FootFriction = "foot_friction" {
-        /// Factor on the grip of the sole.
+        /// Factor on the friction of the sole.
         #[range(1e-3, 1e3)]
         scale: Sampled<One>,
-        /// Whether each foot has its own draw or the robot has one for both.
+        /// Whether each foot has its own factor or both share one.
         #[default("\"foot\"")]
         per: PerFoot,
     }

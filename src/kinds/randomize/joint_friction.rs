@@ -9,7 +9,7 @@ kind! {
         /// Factor on the Coulomb friction.
         #[range(1e-3, 1e3)]
         scale: Sampled<One>,
-        /// Whether every joint has its own draw or the robot has one for all.
+        /// Whether every joint has its own factor or all share one.
         #[default("\"joint\"")]
         per: PerJoint,
     }

@@ -7,10 +7,10 @@ use crate::stream::Stream;
 
 kind! {
     pub struct JointOffset = "joint_offset" {
-        /// Shift of a joint's measured position.
+        /// Offset of a joint's measured position.
         #[range(-3.2, 3.2)]
         offset: Sampled<Radian>,
-        /// Names of the joints, in which `*` stands for any letters.
+        /// Names of the joints, in which `*` matches any letters.
         #[default("[\"*\"]")]
         joints: Vec<String>,
     }

@@ -33,7 +33,7 @@ mod tests {
             |robot: &crate::robot::Robot, link: usize| robot.links[link].joint.origin.translation.vector;
         assert_eq!(origin(&draft.robot, 0), origin(&before, 0));
         assert!((origin(&draft.robot, 3) - origin(&before, 3) * 1.3).norm() < 1e-12);
-        // Thigh and shank of 0.35 m each stand at 0.24 rad and 0.36 rad to the vertical.
+        // Thigh and shank of 0.35 m each are inclined by 0.24 rad and 0.36 rad.
         let taller = 0.3 * 0.35 * (libm::cos(0.24) + libm::cos(0.36));
         assert!((draft.robot.standing_height - before.standing_height - taller).abs() < 1e-9);
     }

@@ -9,7 +9,7 @@ kind! {
         /// Factor on the centre of mass.
         #[range(1e-3, 1e3)]
         scale: Sampled<One>,
-        /// Whether every link has its own draw or the robot has one for all.
+        /// Whether every link has its own factor or all share one.
         #[default("\"link\"")]
         per: PerLink,
     }

@@ -1,4 +1,4 @@
-//! Randomizations: what differs from episode to episode beside the policy's own noise.
+//! Randomizations: differences between episodes other than the policy's own noise.
 
 pub mod action_delay;
 pub mod foot_friction;
@@ -32,7 +32,7 @@ pub struct Draft {
     pub delay: f64,
     /// Factor on each joint's torque.
     pub motor: Vec<f64>,
-    /// Shift of each joint's measured position in rad.
+    /// Offset of each joint's measured position in rad.
     pub joint_offset: Vec<f64>,
     /// The pushes of the episode.
     pub pushes: Vec<Push>,
@@ -89,7 +89,7 @@ pub fn kinds() -> Vec<&'static Kind> {
 }
 
 terms! {
-    /// What differs from episode to episode.
+    /// Randomized properties of episodes.
     pub struct Rows in "randomize", "randomization";
 }
 
@@ -115,43 +115,43 @@ impl Draft {
 }
 
 choice! {
-    /// How many draws the factors of the joints have.
+    /// Whether factors are drawn per joint or per robot.
     pub enum PerJoint {
-        /// Every joint has its own.
+        /// Every joint has its own factor.
         Joint = "joint",
-        /// The robot has one for all.
+        /// All joints share one factor.
         Robot = "robot",
     }
 }
 
 choice! {
-    /// How many draws the factors of the links have.
+    /// Whether factors are drawn per link or per robot.
     pub enum PerLink {
-        /// Every link has its own.
+        /// Every link has its own factor.
         Link = "link",
-        /// The robot has one for all.
+        /// All links share one factor.
         Robot = "robot",
     }
 }
 
 choice! {
-    /// How many draws the factors of the feet have.
+    /// Whether factors are drawn per foot or per robot.
     pub enum PerFoot {
-        /// Each foot has its own.
+        /// Each foot has its own factor.
         Foot = "foot",
-        /// The robot has one for both.
+        /// Both feet share one factor.
         Robot = "robot",
     }
 }
 
-/// `count` factors, each with a draw of its own or, shared, all with the same.
+/// `count` factors, drawn separately or, if shared, all equal.
 fn factors(scale: &Sampler, shared: bool, count: usize, stream: &mut Stream) -> Vec<f64> {
     if shared { vec![stream.draw(scale); count] } else { (0..count).map(|_| stream.draw(scale)).collect() }
 }
 
 #[cfg(test)]
 mod sample {
-    //! A robot of a base and two links.
+    //! A robot with a base and two links.
 
     use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 

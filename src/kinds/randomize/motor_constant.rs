@@ -9,7 +9,7 @@ kind! {
         /// Factor on the torque.
         #[range(1e-3, 1e3)]
         scale: Sampled<One>,
-        /// Whether every joint has its own draw or the robot has one for all.
+        /// Whether every joint has its own factor or all share one.
         #[default("\"joint\"")]
         per: PerJoint,
     }
@@ -20,7 +20,7 @@ impl Randomization for MotorConstant {
         let factors = factors(&self.scale, self.per == PerJoint::Robot, draft.motor.len(), stream);
         for ((motor, link), factor) in draft.motor.iter_mut().zip(&mut draft.robot.links).zip(factors) {
             *motor *= factor;
-            // The current is limited, so the limit of the torque is scaled with it.
+            // The current is limited, so the torque limit scales with the constant.
             link.joint.effort_limit *= factor;
         }
     }

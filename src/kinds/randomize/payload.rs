@@ -6,7 +6,7 @@ use crate::stream::Stream;
 
 kind! {
     pub struct Payload = "payload" {
-        /// The mass carried.
+        /// The added mass.
         #[range(0.0, 1e4)]
         mass: Sampled<Kilogram>,
     }

@@ -12,14 +12,14 @@ kind! {
         /// Duration of a push.
         #[range(1e-3, 1e3)]
         duration: Sampled<Second>,
-        /// Interval that holds one push; without it the episode is one interval.
+        /// Interval with one push; by default the whole episode.
         #[range(0.01, 1e6)]
         every: Option<Quantified<Second>>,
-        /// When a push begins, from the begin of its interval; without it anywhere in the interval.
+        /// Time of a push from the beginning of its interval; by default random.
         #[range(0.0, 1e6)]
         at: Option<Sampled<Second>>,
-        /// Where a push goes, as an angle about the vertical from the x axis of the world, along which
-        /// the robot starts: "90 deg" is to its left; without it anywhere.
+        /// Direction of a push, as an angle about the vertical from the world's x axis, the robot's initial
+        /// heading: "90 deg" is to its left; by default random.
         #[range(-6.3, 6.3)]
         direction: Option<Sampled<Radian>>,
     }

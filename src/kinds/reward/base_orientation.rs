@@ -5,11 +5,11 @@ use crate::kinds::{Reward, Signals};
 use crate::spec::typed::prelude::*;
 
 choice! {
-    /// How far one orientation is from another.
+    /// Distance between two orientations.
     pub enum Difference {
         /// The angle between them in rad.
         Angle = "angle",
-        /// The distance of their quaternions, of whose signs the nearer one counts: 2 sin(angle / 4).
+        /// The norm of the difference of their quaternions, with the nearer of both signs: 2 sin(angle / 4).
         Quaternion = "quaternion",
     }
 }
@@ -19,9 +19,8 @@ kind! {
         /// One over the angle at which the term has fallen to 37 %.
         #[range(1e-9, 1e9)]
         k: Quantified<PerRadian>,
-        /// What differs: the angle between the two orientations, which is also what is meant without
-        /// this key, or the norm of the difference of their quaternions, as printed, which is about
-        /// half of it.
+        /// Distance between the two orientations: their angle (default), or the norm of the difference of
+        /// their quaternions, as printed in the paper, which is about half of it.
         difference: Option<Difference>,
     }
 }

@@ -1,4 +1,4 @@
-//! Reward terms: each is a weight times a number in `[0, 1]` that looks at one control step.
+//! Reward terms: each is a weight times a number in `[0, 1]` for one control step.
 
 pub mod base_orientation;
 pub mod contact_force;
@@ -37,7 +37,7 @@ pub fn kinds() -> Vec<&'static Kind> {
 }
 
 terms! {
-    /// What earns reward.
+    /// Reward terms.
     pub struct Rewards in "reward", "reward term";
 }
 
@@ -46,8 +46,8 @@ fn kernel(k: f64, x: f64) -> f64 {
     libm::exp(-k * x)
 }
 
-/// Square of the distance in m/s between a horizontal velocity and the commanded one, which has no part to
-/// the side.
+/// Squared difference in (m/s)^2 between a horizontal velocity and the commanded one, whose lateral part is
+/// zero.
 fn squared_error(velocity: &[f64; 3], command_speed: f64) -> f64 {
     let forward = velocity[0] - command_speed;
     forward * forward + velocity[1] * velocity[1]
@@ -66,7 +66,7 @@ mod tests {
 
     #[test]
     fn the_paper_table_pays_at_most_1_70() {
-        // In the order of the registry; the mean velocity is no row of the paper's.
+        // In the order of the registry; the mean velocity is not in the paper.
         let weights = [0.3, 0.1, 0.1, 0.2, 0.35, 0.05, 0.05, 0.0, 0.05, 0.2, 0.3];
         let table = Table::from([("k".into(), Value::Quantity(Quantity { si: 1.0, text: "1".into() }))]);
         let world = Sample::new(12);

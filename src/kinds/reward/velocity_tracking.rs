@@ -7,11 +7,11 @@ use crate::kinds::{Reward, Signals};
 use crate::spec::typed::prelude::*;
 
 choice! {
-    /// Whose x and y axes the velocity is measured along.
+    /// Frame of the velocity's x and y axes.
     pub enum Frame {
-        /// Those of the base, which lean with it.
+        /// The base, which tilts.
         Base = "base",
-        /// Those of the heading frame.
+        /// The heading frame.
         Heading = "heading",
     }
 }
@@ -21,8 +21,7 @@ kind! {
         /// Sharpness of the kernel.
         #[range(1e-9, 1e9)]
         k: Quantified<PerSquareVelocity>,
-        /// Whose x and y axes: those of the heading frame, which is also what is meant without this
-        /// key, or of the base, which lean with it.
+        /// Frame of the velocity's x and y axes: the heading frame (default), or the base, which tilts.
         frame: Option<Frame>,
     }
 }
@@ -63,7 +62,7 @@ mod tests {
     #[test]
     fn in_the_frame_of_a_base_that_leans_back_a_walk_also_rises() {
         let mut world = Sample::new(1);
-        // Turned to the left by 0.8 rad, then pitched by -0.3 rad: the base's x axis points up by that much.
+        // Rotated to the left by 0.8 rad, then pitched by -0.3 rad: the base's x axis points up by that much.
         let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.8);
         let turn = yaw * UnitQuaternion::from_axis_angle(&Vector3::y_axis(), -0.3);
         world.base_orientation = [turn.w, turn.i, turn.j, turn.k];

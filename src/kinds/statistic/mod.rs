@@ -1,32 +1,32 @@
-//! Tests of claims: what is the unit of analysis, how many runs it takes, which metrics it suits. What they
-//! compute stands in `report/`.
+//! Tests of claims: their unit of analysis, the number of runs they need, and the metrics they accept.
+//! `statistics/` implements them.
 
 use super::metric::Scale;
 use crate::spec::{Edition, Kind};
 
-/// With fewer runs per arm, no p value of a test over runs is below [`SMALLEST_OF_FEW`].
+/// With fewer runs per arm, a test over runs has no p value below [`SMALLEST_OF_FEW`].
 pub const FEW: usize = 5;
 
 /// The smallest p value of a test over fewer than [`FEW`] runs per arm. So few values cannot show whether
-/// they are normal, so the far tail of Student's distribution says nothing about them.
+/// they are normal, so the far tail of Student's distribution is not reliable.
 pub const SMALLEST_OF_FEW: f64 = 0.002;
 
 /// A registry entry.
 #[derive(Debug)]
 pub struct StatisticKind {
-    /// Its name and page.
+    /// Its name and documentation.
     pub kind: Kind,
-    /// What is computed.
+    /// The computed quantity.
     pub method: Method,
-    /// How many arms it compares.
+    /// Number of arms.
     pub arms: Arms,
-    /// The metrics that it takes.
+    /// The accepted types of metrics.
     pub takes: &'static [Scale],
-    /// The fewest runs per arm that can decide a claim at this two-sided level.
+    /// Smallest number of runs per arm that can decide a claim at this two-sided level.
     pub least: fn(alpha: f64) -> usize,
 }
 
-/// What a test computes.
+/// Computation of a test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// `episode_bootstrap`
@@ -48,7 +48,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// What it counts as one observation.
+    /// Its unit of observation.
     pub fn unit(self) -> Unit {
         match self {
             Self::EpisodeBootstrap | Self::Mcnemar | Self::Newcombe | Self::Wilson => Unit::Episode,
@@ -59,7 +59,7 @@ impl Method {
     }
 }
 
-/// What is counted as one observation.
+/// Unit of observation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// An episode: the claim is about policies.
@@ -68,26 +68,26 @@ pub enum Unit {
     Seed,
 }
 
-/// How many arms a test compares.
+/// Number of arms that a test compares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arms {
-    /// One, with a number.
+    /// One arm with a number.
     One,
-    /// Two with each other.
+    /// Two arms with each other.
     Two,
     /// Either.
     OneOrTwo,
 }
 
 impl StatisticKind {
-    /// What is counted as one observation.
+    /// Its unit of observation.
     pub fn unit(&self) -> Unit {
         self.method.unit()
     }
 }
 
 impl Arms {
-    /// Whether so many arms can be compared.
+    /// Whether this number of arms can be compared.
     pub fn takes(self, count: usize) -> bool {
         match self {
             Self::One => count == 1,
@@ -97,8 +97,8 @@ impl Arms {
     }
 }
 
-/// A test by its name, what it computes, how many arms it compares, the metrics that it takes, and the fewest
-/// runs. Its page is the Markdown file of its name.
+/// A test: its name, computation, number of arms, accepted types of metrics, and smallest number of runs. Its
+/// page is the Markdown file with its name.
 macro_rules! statistic {
     ($name:literal, $method:expr, $arms:expr, $takes:expr, $least:expr) => {
         StatisticKind {
@@ -158,12 +158,12 @@ pub fn kinds() -> Vec<&'static Kind> {
     KINDS.iter().map(|statistic| &statistic.kind).collect()
 }
 
-/// The test of a name.
+/// The test with this name.
 pub fn find(name: &str) -> Option<&'static StatisticKind> {
     KINDS.iter().copied().find(|statistic| statistic.kind.name == name)
 }
 
-/// What its page says beside its text.
+/// Additional facts for its page.
 pub fn facts(kind: &Kind) -> String {
     let Some(statistic) = find(kind.name) else { return String::new() };
     let unit = match statistic.unit() {
@@ -192,7 +192,7 @@ pub fn facts(kind: &Kind) -> String {
     )
 }
 
-/// The fewest runs per arm.
+/// Smallest numbers of runs per arm.
 mod least {
     use super::{FEW, SMALLEST_OF_FEW};
 
@@ -201,18 +201,18 @@ mod least {
         1
     }
 
-    /// Two runs, for a variance; five where the level is below the smallest p value of fewer.
+    /// Two runs, for a variance; five if the level is below the smallest p value for fewer runs.
     pub fn student(alpha: f64) -> usize {
         if alpha < SMALLEST_OF_FEW { FEW } else { 2 }
     }
 
-    /// Ten runs: over fewer a percentile interval covers less than 92 % in place of 95 %.
+    /// Ten runs: with fewer, a percentile interval covers less than 92 % instead of 95 %.
     pub fn ten(_alpha: f64) -> usize {
         10
     }
 
-    /// So many that the most extreme of all orders of two samples of n has a two-sided p of at most alpha:
-    /// 2 / C(2n, n).
+    /// The smallest n for which the most extreme of all orders of two samples of size n has a two-sided p of
+    /// at most alpha: 2 / C(2n, n).
     pub fn ranks(alpha: f64) -> usize {
         let mut orders = 1.0;
         let mut runs = 0;

@@ -1,62 +1,62 @@
-//! What a task asks of a policy: what reports and checks know of it beside its keys.
+//! Properties of tasks that reports and checks use, in addition to the tasks' keys.
 
-/// What a task asks of a policy.
+/// Properties of a task.
 #[derive(Clone, Copy, Debug)]
 pub struct Meaning {
-    /// What a policy does that does the task: `walks`.
+    /// Verb for a policy that fulfils the task: `walks`.
     pub verb: &'static str,
-    /// Whether the robot goes somewhere: it has a speed to reach, and standing still is not the task.
+    /// Whether the robot travels: it has a target speed, and standing still fails the task.
     pub travels: bool,
     /// Whether its steps have flight phases.
     pub flies: bool,
-    /// Whether the robot's default pose is the reference where the task names no motion.
+    /// Whether the default pose is the reference if the task has no motion.
     pub default_pose: bool,
-    /// Whether nothing strikes the ground, so that the joint velocities of its reference do not jump (W0423).
+    /// Whether there are no ground impacts, so that the joint velocities of its reference are continuous
+    /// (W0423).
     pub smooth: bool,
-    /// What an evaluation must show beside survival and, where the robot travels, its speed.
+    /// Criteria of an evaluation in addition to survival and, if the robot travels, its speed.
     pub criteria: &'static [Criterion],
-    /// What a report tells first of an evaluation after its survival.
+    /// The metric that a report shows first, after survival.
     pub evidence: Evidence,
 }
 
-/// One condition on the mean of a metric over the episodes.
+/// A condition on the mean of a metric over the episodes.
 #[derive(Clone, Copy, Debug)]
 pub struct Criterion {
     /// The metric's name.
     pub metric: &'static str,
-    /// The mean's bound.
+    /// The bound on the mean.
     pub bound: Bound,
-    /// What is asked; `{}` is the bound.
+    /// Its description; `{}` is the bound.
     pub text: &'static str,
-    /// Whether evaluations in which it was not measured are judged without it.
+    /// Whether evaluations that did not measure it are judged without it.
     pub optional: bool,
 }
 
-/// A bound of a mean.
+/// A bound on a mean.
 #[derive(Clone, Copy, Debug)]
 pub enum Bound {
-    /// It is at least this.
+    /// At least this.
     AtLeast(f64),
-    /// It is at most this.
+    /// At most this.
     AtMost(f64),
-    /// It is at most this share of the height in m at which the base stands; of a robot that is not known 1
-    /// m.
+    /// At most this share of the height in m of the standing robot's base; 1 m for an unknown robot.
     AtMostOfHeight(f64),
 }
 
-/// A metric in words.
+/// A metric with its description.
 #[derive(Clone, Copy, Debug)]
 pub struct Evidence {
-    /// The words before its estimate.
+    /// The description before its estimate.
     pub words: &'static str,
     /// The metric's name.
     pub metric: &'static str,
-    /// A metric of the second half of the episodes, told behind it.
+    /// A metric of the second half of the episodes, shown after it.
     pub second_half: Option<&'static str>,
 }
 
-/// Staying in place: the base may be off its start by a tenth of its height, as far as it sways above soles
-/// that stay. The soles of the shipped robots reach 0.1 to 0.2 of that height forward and back.
+/// Staying in place: the base may move from its start by a tenth of its height, as far as it sways above
+/// fixed soles. The soles of the shipped robots reach 0.1 to 0.2 of that height forward and back.
 pub const IN_PLACE: Criterion = Criterion {
     metric: "drift",
     bound: Bound::AtMostOfHeight(0.1),

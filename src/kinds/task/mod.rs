@@ -1,4 +1,4 @@
-//! Tasks: what the robot is asked to do, for how long and how fast.
+//! Tasks: motion, duration and commanded speed.
 
 mod meaning;
 pub mod run;
@@ -18,31 +18,31 @@ keys! {
         /// Commanded forward speed.
         #[range(-10.0, 10.0)]
         speed: Sampled<MetrePerSecond>,
-        /// Time between two draws of the speed; without it one draw holds for the episode.
+        /// Time between two draws of the speed; by default one draw holds for the episode.
         #[range(1e-3, 1e6)]
         every: Option<Quantified<Second>>,
-        /// Time over which a new speed is approached linearly.
+        /// Duration of the linear transition to a new speed.
         #[range(0.0, 1e6)]
         #[default("\"0 s\"")]
         ramp: Quantified<Second>,
     }
 }
 
-/// The keys of a task as the rest of the program reads them.
+/// The common interface of a task's keys.
 pub trait Goal {
-    /// The name of the reference motion; none for standing without one.
+    /// The name of the reference motion; `None` for standing without one.
     fn motion(&self) -> Option<&str>;
     /// Time limit of an episode in s.
     fn episode(&self) -> f64;
-    /// The commanded speed, where one is commanded.
+    /// The commanded speed, if any.
     fn command(&self) -> Option<&Command>;
 }
 
 /// An entry of the task registry.
 pub struct TaskKind {
-    /// What may be written.
+    /// Its descriptor.
     pub kind: &'static Kind,
-    /// What it asks of a policy.
+    /// Its properties.
     pub meaning: &'static Meaning,
     read: fn(Section) -> Option<Box<dyn Goal>>,
 }
@@ -68,12 +68,12 @@ pub fn kinds() -> Vec<&'static Kind> {
     KINDS.iter().map(|entry| entry.kind).collect()
 }
 
-/// What the task of this name asks of a policy.
+/// The properties of the task with this name.
 pub fn meaning(task: &str) -> Option<&'static Meaning> {
     KINDS.iter().find(|entry| entry.kind.name == task).map(|entry| entry.meaning)
 }
 
-/// What the robot is asked to do: the section `[task]`.
+/// The section `[task]`.
 pub struct Task {
     kind: &'static Kind,
     goal: Box<dyn Goal>,
@@ -101,22 +101,22 @@ impl Part for Task {
 }
 
 impl Task {
-    /// The word of its kind in a spec.
+    /// Its kind in a spec.
     pub fn kind(&self) -> &'static str {
         self.kind.name
     }
 
-    /// The name of the reference motion of a decoded spec or of a part of it; `None` where there is none.
+    /// The name of the reference motion of a decoded spec or of a part of it, if any.
     pub fn named_motion(fields: Section) -> Option<String> {
         fields.at(walk::Walk::motion)
     }
 
-    /// The commanded speed of a decoded spec or of a part of it; `None` where none is commanded.
+    /// The commanded speed of a decoded spec or of a part of it, if any.
     pub fn commanded(fields: Section) -> Option<Command> {
         fields.at(walk::Walk::command)
     }
 
-    /// What the task of a decoded spec asks of a policy; `None` where it has none.
+    /// The properties of a decoded spec's task, if it has one.
     pub fn meaning_in(fields: Section) -> Option<&'static Meaning> {
         meaning(fields.within::<Self>()?.kind()?)
     }

@@ -5,7 +5,7 @@ use crate::spec::typed::prelude::*;
 
 kind! {
     pub struct Run in "task" = "run", needs [Reference] {
-        /// The reference motion: a file of `specs/motions/` without its ending.
+        /// The reference motion: a file of `specs/motions/` without its extension.
         motion: String,
         /// Time limit of an episode.
         #[range(0.01, 1e5)]
@@ -15,7 +15,7 @@ kind! {
     }
 }
 
-/// Every step has a flight phase, and the robot goes on running.
+/// Every step has a flight phase, and the robot keeps running.
 pub const MEANING: Meaning = Meaning {
     verb: "runs",
     travels: true,

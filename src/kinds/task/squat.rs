@@ -6,7 +6,7 @@ use crate::spec::typed::prelude::*;
 
 kind! {
     pub struct Squat in "task" = "squat", needs [Reference] {
-        /// The reference motion: a file of `specs/motions/` without its ending.
+        /// The reference motion: a file of `specs/motions/` without its extension.
         motion: String,
         /// Time limit of an episode.
         #[range(0.01, 1e5)]
@@ -30,7 +30,7 @@ pub const MEANING: Meaning = Meaning {
             text: "stays within {} rad of the reference in every joint",
             optional: false,
         },
-        // Records from before it was measured are judged without it.
+        // Records from versions without this metric are judged without it.
         Criterion { optional: true, ..IN_PLACE },
     ],
     evidence: Evidence {

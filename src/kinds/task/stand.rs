@@ -6,7 +6,7 @@ use crate::spec::typed::prelude::*;
 
 kind! {
     pub struct Stand in "task" = "stand" {
-        /// The reference motion: a file of `specs/motions/` without its ending.
+        /// The reference motion: a file of `specs/motions/` without its extension.
         motion: Option<String>,
         /// Time limit of an episode.
         #[range(0.01, 1e5)]
@@ -16,7 +16,7 @@ kind! {
     }
 }
 
-/// The robot stays where it is.
+/// The robot stays in place.
 pub const MEANING: Meaning = Meaning {
     verb: "stands",
     travels: false,

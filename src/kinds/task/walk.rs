@@ -5,7 +5,7 @@ use crate::spec::typed::prelude::*;
 
 kind! {
     pub struct Walk in "task" = "walk", needs [Reference] {
-        /// The reference motion: a file of `specs/motions/` without its ending.
+        /// The reference motion: a file of `specs/motions/` without its extension.
         motion: String,
         /// Time limit of an episode.
         #[range(0.01, 1e5)]
@@ -15,12 +15,12 @@ kind! {
     }
 }
 
-/// A foot carries alone for a share of the time.
+/// A foot is in single support for a share of the time.
 const fn alone(metric: &'static str, text: &'static str) -> Criterion {
     Criterion { metric, bound: Bound::AtLeast(0.1), text, optional: false }
 }
 
-/// Each foot carries the robot alone, so that shuffling is no walking.
+/// Each foot is in single support for some time, so that shuffling does not count as walking.
 pub const MEANING: Meaning = Meaning {
     verb: "walks",
     travels: true,

@@ -5,7 +5,7 @@ use crate::spec::typed::prelude::*;
 
 kind! {
     pub struct BaseHeight = "base_height", needs [BaseHeight] {
-        /// The episode ends when the base origin is less than this above the ground.
+        /// The episode ends if the base origin is less than this above the ground.
         #[range(0.0, 10.0)]
         below: Quantified<Metre>,
     }

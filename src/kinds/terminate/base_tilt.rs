@@ -5,7 +5,7 @@ use crate::spec::typed::prelude::*;
 
 kind! {
     pub struct BaseTilt = "base_tilt", needs [BaseOrientation] {
-        /// The episode ends when the base's z axis leans more than this.
+        /// The episode ends if the base's z axis tilts by more than this.
         #[range(0.0, 3.2)]
         above: Quantified<Radian>,
     }

@@ -4,20 +4,20 @@ use crate::kinds::{Signals, Termination};
 use crate::spec::typed::prelude::*;
 
 reference! {
-    /// What `tolerance` is a share of.
+    /// Reference of `tolerance`.
     pub OfTolerance = "one cycle of the motion";
 }
 
 kind! {
     pub struct ContactSchedule = "contact_schedule", needs [FootForce, ContactSchedule, Phase] {
-        /// Share of a cycle in uninterrupted contradiction that ends the episode.
+        /// Share of a cycle of uninterrupted contradiction that ends the episode.
         #[range(0.0, 1.0)]
         tolerance: Ratio<OfTolerance>,
-        /// Time after a start from the standing pose in which nothing is counted.
+        /// Time after a standing start during which nothing is counted.
         #[range(0.0, 1e3)]
         #[default("\"0 s\"")]
         grace: Quantified<Second>,
-        /// Whether scheduled air time and double support are watched too, as running needs.
+        /// Whether scheduled flight and double support are checked, too, as running needs.
         #[default("false")]
         flight: bool,
     }

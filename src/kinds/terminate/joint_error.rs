@@ -5,7 +5,7 @@ use crate::spec::typed::prelude::*;
 
 kind! {
     pub struct JointError = "joint_error", needs [Joints, Reference] {
-        /// The episode ends when any joint is further than this from the reference.
+        /// The episode ends if any joint is further than this from the reference.
         #[range(0.0, 10.0)]
         above: Quantified<Radian>,
     }

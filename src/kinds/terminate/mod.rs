@@ -1,4 +1,4 @@
-//! Terminations: what ends an episode before its time. The reward of the step that ends it is zero.
+//! Terminations: conditions that end an episode early. The reward of the last step is then zero.
 
 pub mod base_height;
 pub mod base_tilt;
@@ -27,6 +27,6 @@ pub fn kinds() -> Vec<&'static Kind> {
 }
 
 terms! {
-    /// What ends an episode.
+    /// Terminations.
     pub struct Terminations in "terminate", "termination";
 }

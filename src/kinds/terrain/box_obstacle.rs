@@ -3,7 +3,7 @@
 use crate::spec::typed::prelude::*;
 
 choice! {
-    /// What of a box a distance is measured to.
+    /// Point of a box to which a distance is measured.
     pub enum Measured {
         /// Its front.
         Front = "front",
@@ -31,7 +31,7 @@ kind! {
         /// Distance from the start.
         #[range(0.0, 1e3)]
         distance: Quantified<Metre>,
-        /// What of the box is at `distance`.
+        /// Point of the box at `distance`.
         #[default("\"center\"")]
         reference: Measured,
     }

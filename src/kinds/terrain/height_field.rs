@@ -1,4 +1,4 @@
-//! The terrain kind `height_field`, and how large a field can be.
+//! The terrain kind `height_field`, and the largest possible field.
 
 use crate::quantity::number;
 use crate::spec::typed::prelude::*;
@@ -27,26 +27,26 @@ kind! {
         #[range(0.0, 1e3)]
         #[default("\"0.4 m\"")]
         start: Quantified<Metre>,
-        /// Names the random heights.
+        /// Seed of the random heights.
         #[default("1")]
         seed: u64,
     }
 }
 
-/// The most points of a field: 16 MB of heights, and seconds to write and read as MJCF.
+/// Largest number of points: 16 MB of heights, which take seconds to write and read as MJCF.
 const MOST_POINTS: f64 = 2e6;
 
-/// Why there can be no field of this size.
+/// Why a field cannot have this size.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct SizeError {
     message: String,
-    /// What to do about it.
+    /// The fix.
     pub help: &'static str,
 }
 
-/// Checks that a field spans at least one cell each way and has at most two million points, before any of
-/// them is made. The side of a cell and the extents along x and y are in m.
+/// Checks that a field has at least one cell each way and at most two million points, before it is created.
+/// The side of a cell and the extents along x and y are in m.
 pub fn check_size(cell: f64, length: f64, width: f64) -> Result<(), SizeError> {
     let points = |extent: f64| (extent / cell).round() + 1.0;
     let [along, across] = [length, width].map(points);

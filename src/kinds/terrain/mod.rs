@@ -1,4 +1,4 @@
-//! Terrains: the ground (`env/ground.rs` builds it).
+//! Terrains: the ground (built by `env/ground.rs`).
 
 pub mod box_obstacle;
 pub mod flat;

@@ -1,4 +1,4 @@
-//! Where the parameters of a network stand in one flat array. Checkpoints hold Adam's moments in this layout.
+//! Layout of a network's parameters in one flat array. Checkpoints hold Adam's moments in this layout.
 
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ pub(super) struct Layout {
     pub len: usize,
 }
 
-/// Where one layer's parameters stand.
+/// Position of one layer's parameters in the array.
 #[derive(Clone, Debug)]
 pub(super) struct Place {
     pub inputs: usize,
@@ -49,7 +49,7 @@ impl Layout {
         self.layers[0].inputs
     }
 
-    /// Where the last layer's parameters begin, which can have a step size of their own.
+    /// Index at which the last layer's parameters begin; that layer can have its own step size.
     pub fn last_layer(&self) -> usize {
         self.layers.last().map_or(0, |place| place.weight.start)
     }

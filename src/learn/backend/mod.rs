@@ -1,10 +1,10 @@
 //! The arithmetic of learning: multilayer perceptrons under training and the losses of PPO, with one
 //! implementation per library.
 //!
-//! [`native`] is plain Rust with `gemm` and always there; `torch` is libtorch, on the CPU or a CUDA device,
-//! in builds with the feature `torch`. Both take the same steps and differ only in the order of sums, so
-//! their results agree to rounding and not to the bit. PPO itself ([`super::ppo`]) is written against the
-//! traits below.
+//! [`native`] is plain Rust with `gemm` and always available; `torch` is libtorch, on the CPU or a CUDA
+//! device, in builds with the feature `torch`. Both take the same steps and differ only in the order of
+//! summation, so their results agree up to rounding but not bit for bit. PPO itself ([`super::ppo`]) is
+//! written against the traits below.
 
 mod layout;
 pub mod native;
@@ -56,7 +56,7 @@ pub trait TrainableMlp: Send {
     /// Parameters and moments at one moment.
     type Snapshot: Send;
 
-    /// Prepares the calling thread; to be called by each thread before its first product.
+    /// Prepares the calling thread. Each thread calls it before its first product.
     fn prepare_thread() {}
 
     /// Number of inputs.
@@ -71,28 +71,29 @@ pub trait TrainableMlp: Send {
     /// Computes the outputs of the workspace's inputs.
     fn forward(&self, space: &mut Self::Workspace);
 
-    /// Computes the gradient of a loss from its derivatives with respect to the outputs, which stand in the
+    /// Computes the gradient of a loss from its derivatives with respect to the outputs, which are in the
     /// workspace after [`TrainableMlp::forward`]: `gradient = backpropagated + beta gradient`.
     fn backward(&mut self, space: &mut Self::Workspace, beta: Beta);
 
     /// Euclidean norm of the gradient; not finite where the gradient is not.
     fn gradient_norm(&self) -> f64;
 
-    /// One step of Adam. The gradient is clipped as one of this norm: its own, or that of several networks'
-    /// gradients together.
+    /// One step of Adam. The gradient is clipped as if it had this norm: its own, or the joint norm of
+    /// several networks' gradients.
     fn step(&mut self, norm: f64, rule: Rule);
 
-    /// The network as it is now.
+    /// The network with its current parameters.
     fn network(&self) -> Network;
 
-    /// Adam's state as it is now.
+    /// Adam's current state.
     fn adam(&self) -> Adam;
 
-    /// Replaces Adam's state; false, and no change, where it belongs to another number of parameters.
+    /// Replaces Adam's state. Returns false and changes nothing if the state belongs to another number of
+    /// parameters.
     #[must_use]
     fn set_adam(&mut self, adam: &Adam) -> bool;
 
-    /// What [`TrainableMlp::restore`] returns to.
+    /// State that [`TrainableMlp::restore`] returns to.
     fn snapshot(&self) -> Self::Snapshot;
 
     /// Returns to a snapshot of this network.
@@ -102,10 +103,10 @@ pub trait TrainableMlp: Send {
 /// A network's inputs and its loss over a rollout: sample `i` is step `i % horizon` of environment
 /// `i / horizon`.
 pub trait Loss<M: TrainableMlp>: Send {
-    /// Takes the samples in this order from now on.
+    /// Sets the order of the samples.
     fn shuffle(&mut self, order: Vec<usize>);
 
-    /// Begins a minibatch, a part of the order.
+    /// Begins a minibatch, a range of the order.
     fn begin(&mut self, minibatch: Range<usize>);
 
     /// Runs the network on a block of the minibatch, writes the derivatives of the loss over the whole
@@ -116,15 +117,15 @@ pub trait Loss<M: TrainableMlp>: Send {
 /// Sums over a minibatch.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sums {
-    /// The actor's: KL divergence from the policy before the update, summed over the samples.
+    /// Actor only: KL divergence from the policy before the update, summed over the samples.
     pub divergence: f64,
-    /// The actor's: samples whose probability ratio is beyond the clip.
+    /// Actor only: number of samples whose probability ratio is outside the clip range.
     pub clipped: f64,
-    /// The critic's: squared errors.
+    /// Critic only: sum of squared errors.
     pub error: f64,
 }
 
-/// The factor on what stands in the target of a product, as in BLAS: `C = A B + beta C`.
+/// Factor on the previous content of a product's target, as in BLAS: `C = A B + beta C`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Beta {
     /// The target is overwritten.
@@ -158,7 +159,7 @@ impl<M: TrainableMlp> Workspaces<M> {
 #[derive(Clone, Copy, Debug, Default)]
 struct Moments {
     mean: f64,
-    /// With n - 1.
+    /// With the divisor n - 1.
     deviation: f64,
 }
 
@@ -170,15 +171,15 @@ impl Moments {
         Self { mean, deviation: (squares / (count - 1.0).max(1.0)).sqrt() }
     }
 
-    /// Those of all samples, where advantages are normalised over the rollout.
+    /// Mean and standard deviation over all samples if advantages are normalised over the rollout.
     fn of_rollout(records: &[&Records], settings: &Settings) -> Option<Self> {
         let advantages = || records.iter().flat_map(|records| records.advantages.iter().copied());
         (settings.advantages == Normalisation::Batch).then(|| Self::of(&advantages().collect::<Vec<f32>>()))
     }
 }
 
-/// Added to the standard deviation that advantages are divided by, against division by zero (as in the
-/// original implementation of PPO, openai/baselines).
+/// Added to the standard deviation that divides the advantages, against division by zero (as in the original
+/// implementation of PPO, openai/baselines).
 const ADVANTAGE_EPSILON: f64 = 1e-8;
 
 /// Inverse variance of each action.

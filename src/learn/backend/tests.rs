@@ -1,4 +1,5 @@
-//! Every backend of this build against finite differences, against plain inference, and against each other.
+//! Every backend of this build is compared with finite differences, with plain inference and with the other
+//! backends.
 
 use super::native::{Native, NativeMlp};
 use super::*;
@@ -9,7 +10,7 @@ use crate::stream::Stream;
 const WIDTHS: [usize; 4] = [5, 24, 17, 3];
 const ACTIVATIONS: [Activation; 3] = [Activation::Relu, Activation::Tanh, Activation::Elu];
 
-/// Access to a network's numbers, wherever they are.
+/// Access to a network's numbers, on whichever device they are.
 trait Probe: TrainableMlp {
     fn write_inputs(space: &mut Self::Workspace, numbers: &[f32]);
     fn outputs(space: &mut Self::Workspace) -> Vec<f32>;
@@ -94,13 +95,13 @@ fn outputs(network: &Network, inputs: &[f32]) -> Vec<f64> {
     row
 }
 
-/// Half the squared sum of the outputs, weighted by their place, in f64.
+/// Half the squared sum of the outputs, weighted by their index, in f64.
 fn loss(network: &Network, inputs: &[f32]) -> f64 {
     let rows = inputs.chunks_exact(WIDTHS[0]).flat_map(|row| outputs(network, row));
     rows.enumerate().map(|(place, y)| 0.5 * (1.0 + place as f64) * y * y).sum()
 }
 
-/// The gradient of [`loss`] over four rows: that of three, and added to it that of the fourth.
+/// The gradient of [`loss`] over four rows: of three rows first, then accumulated with that of the fourth.
 fn gradient<B: Backend<Mlp: Probe>>(backend: B, network: &Network, inputs: &[f32]) -> Vec<f32> {
     let mut trained = backend.mlp(network);
     let mut spaces = Workspaces::default();

@@ -1,5 +1,5 @@
-//! What the checks need to know of a rollout beside its sums: numbers of the policy's means, the targets and
-//! the actor's hidden units. Reads the records, changes nothing.
+//! Measurements for the run-time checks in addition to a rollout's sums: statistics of the policy's means, of
+//! the targets and of the actor's hidden units. Reads the records without changing them.
 
 use std::collections::BTreeMap;
 
@@ -8,8 +8,8 @@ use crate::learn::inference::Inference;
 use crate::learn::lane::Records;
 use crate::learn::metrics::UpdateMetrics;
 
-/// States of a rollout, spread evenly over it, in which hidden units are looked at: enough that a unit that
-/// is zero in all of them is of no use, and few against the passes of an update.
+/// Number of states, spread evenly over a rollout, at which hidden units are evaluated: a unit that is zero
+/// in all of them is useless, and the cost is small compared with the passes of an update.
 const PROBED: usize = 256;
 
 /// Adds the numbers of a rollout to its metrics: `std` is the exploration's standard deviation of each
@@ -27,7 +27,7 @@ pub fn measure(
     metrics.action_saturation = named(&|index| actions[index].beyond / actions[index].count.max(1.0));
     metrics.action_spread = named(&|index| actions[index].deviation() / std[index]);
     let targets = extremes(records, |records| &records.targets);
-    // The last value is that of the state after the rollout, which has no target.
+    // The last value belongs to the state after the rollout, which has no target.
     let values = extremes(records, |records| &records.values[..records.targets.len()]);
     [metrics.target_min, metrics.target_max] = targets.map(Some);
     [metrics.value_min, metrics.value_max] = values.map(Some);
@@ -64,14 +64,14 @@ fn actions(records: &[&Records], outputs: &[Output]) -> Vec<Sums> {
     sums
 }
 
-/// The least and the greatest of some numbers.
+/// The least and the greatest number.
 fn extremes(records: &[&Records], of: impl Fn(&Records) -> &[f32]) -> [f64; 2] {
     let numbers = records.iter().flat_map(|records| of(records)).map(|number| f64::from(*number));
     numbers
         .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], number| [low.min(number), high.max(number)])
 }
 
-/// The share of the actor's hidden units that are zero in every probed state.
+/// The share of the actor's hidden units that are zero in every sampled state.
 fn dead_units(records: &[&Records], actor: &Inference) -> f64 {
     let width = actor.inputs();
     let rows: usize = records.iter().map(|records| records.observations.len() / width).sum();

@@ -1,6 +1,6 @@
-//! The health of a training: what is wrong with it, in words, while it runs.
+//! Health of a training: detects problems while it runs and describes them.
 //!
-//! Findings are a function of the metrics alone, so a resumed training has the same. Nothing here
+//! Findings are a function of the metrics alone, so a resumed training reports the same ones. Nothing here
 //! changes a training.
 
 pub mod measure;

@@ -1,4 +1,4 @@
-//! The monitor: which causes are there, since when, and whether they went away.
+//! The monitor: which problems are present, since when, and whether they disappeared.
 
 use std::collections::BTreeMap;
 
@@ -14,16 +14,16 @@ pub struct Monitor {
     findings: Vec<Finding>,
 }
 
-/// How long a sign has been there, or not.
+/// How long a sign has been present or absent.
 #[derive(Clone, Debug, Default)]
 struct Spell {
-    /// Updates in a row with the sign.
+    /// Consecutive updates with the sign.
     present: u64,
-    /// Updates in a row without it.
+    /// Consecutive updates without it.
     absent: u64,
-    /// Samples after the first and the last update of the row with the sign.
+    /// Samples after the first and the last of the consecutive updates with the sign.
     samples: [u64; 2],
-    /// Its place among the findings.
+    /// Index among the findings.
     finding: Option<usize>,
 }
 
@@ -33,7 +33,7 @@ impl Monitor {
         Self { norms, spells: BTreeMap::new(), findings: Vec::new() }
     }
 
-    /// Takes the metrics of the next update; gives what is found in it for the first time.
+    /// Takes the metrics of the next update and returns the new findings.
     pub fn observe(&mut self, metrics: &UpdateMetrics) -> Vec<Finding> {
         let known = self.findings.len();
         for rule in RULES {
@@ -52,7 +52,7 @@ impl Monitor {
         self.findings[known..].to_vec()
     }
 
-    /// What was found so far, in the order in which it was found.
+    /// All findings so far, in the order of their detection.
     pub fn findings(&self) -> &[Finding] {
         &self.findings
     }
@@ -67,7 +67,7 @@ impl Spell {
             return;
         }
         match self.finding {
-            // It is back, and was told of.
+            // The problem is back and was already reported.
             Some(place) => findings[place].until = None,
             None => {
                 self.finding = Some(findings.len());

@@ -1,50 +1,52 @@
-//! The rules: what in the metrics of one update is the sign of something wrong. Every threshold is a constant
-//! with its reason; a sign counts when it stays for a rule's patience.
+//! The rules: which values in the metrics of one update are a sign of a problem. Every threshold is a
+//! constant with its reason; a sign becomes a finding when it persists for the rule's number of updates.
 
 use crate::env::{Output, View};
 use crate::learn::metrics::UpdateMetrics;
 use crate::learn::settings::{Rate, Settings};
 
-/// Updates in a row that make a sign a finding: rollouts differ by chance, ten in a row do not.
+/// Consecutive updates after which a sign becomes a finding: single rollouts differ by chance, ten in a row
+/// do not.
 const PATIENCE: u64 = 10;
-/// The same for the KL divergence: five updates at five times the target have moved the policy 25 targets
-/// away.
+/// The same for the KL divergence: five updates at five times the target move the policy by 25 targets.
 const KL_PATIENCE: u64 = 5;
 /// A steered step size passes 1.5 times its target and, in the first updates of real trainings, 2.5 times.
 const KL_FACTOR: f64 = 5.0;
 /// One update of this KL divergence is enough: the means have moved by 1.4 standard deviations of the
-/// exploration, so the rollout says nothing of the new policy.
+/// exploration, so the rollout is not informative about the new policy.
 const KL_AT_ONCE: f64 = 1.0;
-/// A motor at its limit for moments is part of running; more often than not beyond it, its command is a
-/// switch.
+/// A motor is at its limit for short times even in good running. Above this share of the time its command
+/// acts like a switch.
 const SATURATED: f64 = 0.5;
-/// A mean that moves by a hundredth of the exploration is drowned by it ten thousand times in variance.
+/// A mean that varies by less than a hundredth of the exploration contributes less than a ten-thousandth of
+/// its variance.
 const DEAD_SPREAD: f64 = 0.01;
-/// Some units are always zero; a network that has lost half of them is another network than the spec's.
+/// Some units are always zero; a network that has lost half of its units is no longer the one in the spec.
 const DEAD_UNITS: f64 = 0.5;
-/// Updates after the warm-up in which the critic need not explain anything yet, nor a network have found its
-/// scale.
+/// Updates after the warm-up in which neither the critic's fit nor the scale of its values is judged.
 const SETTLING: u64 = 10;
-/// A critic that gives the same value everywhere explains zero, up to rounding.
+/// A critic with the same value everywhere explains zero variance, up to rounding.
 const EXPLAINED: f64 = 0.01;
-/// A reference that is on one foot for less is no walk and no run.
+/// A reference with a smaller share of single support is neither a walk nor a run.
 const STEPPING: f64 = 0.2;
-/// Standing under exploration lifts a foot now and then; a tenth of what the reference does is no stepping.
+/// A standing robot lifts a foot now and then under exploration; a tenth of the reference's single support is
+/// not stepping.
 const STANDING: f64 = 0.1;
-/// Robots that fall at once have no time for steps, which is not what is wrong with them.
+/// Robots that fall at once have no time to step, and another problem is the cause.
 const LASTING_S: f64 = 2.0;
-/// A term that varies by a thousandth of its weight changes no advantage that one could see.
+/// A term that varies by a thousandth of its weight has no visible effect on advantages.
 const CONSTANT: f64 = 1e-3;
-/// A term that stands at its full weight up to rounding asks yes or no, and what it asks for is fulfilled; a
-/// kernel never gets there.
+/// A term at its full weight up to rounding is a yes-or-no term whose condition is met; a kernel never gets
+/// there.
 const FULFILLED: f64 = 1e-6;
-/// A term that can pay less than this share of the reward is an ornament; that it is constant is not worth a
-/// warning.
+/// A term below this share of the largest possible reward hardly matters, so its being constant is not worth
+/// a warning.
 const ORNAMENT: f64 = 0.05;
-/// Share of the possible range by which returns may be beyond it: the critic's own errors are in its targets.
+/// Share of the possible range by which returns may exceed it: the targets contain the critic's own errors.
 const BEYOND: f64 = 0.1;
 
-/// A rule: its code, how many updates in a row its sign must be there, and what its signs are.
+/// A rule: its code, the number of consecutive updates for which its sign must be present, and the function
+/// that finds its signs.
 pub(super) struct Rule {
     pub code: &'static str,
     pub patience: u64,
@@ -56,7 +58,7 @@ pub(super) struct Sign {
     /// The action or reward term; empty for the training as a whole.
     pub subject: String,
     pub message: String,
-    /// Whether this update alone is enough.
+    /// Whether this update alone suffices.
     pub urgent: bool,
 }
 
@@ -72,12 +74,12 @@ pub(super) const RULES: &[Rule] = &[
     Rule { code: "W0608", patience: PATIENCE, signs: returns },
 ];
 
-/// What is normal for a training: known before it begins.
+/// The normal values of a training, known before it begins.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Norms {
-    /// KL divergence that an update is meant to have.
+    /// Target KL divergence of an update.
     kl: f64,
-    /// First updates in which only the critic learns.
+    /// Number of first updates in which only the critic learns.
     warm_up: u64,
     /// The outputs of the actor.
     outputs: Vec<Output>,
@@ -88,7 +90,7 @@ pub struct Norms {
 }
 
 impl Norms {
-    /// What is normal with these settings in this environment.
+    /// The normal values with these settings in this environment.
     pub fn new(settings: &Settings, environment: &dyn View) -> Self {
         let named = environment.terms().iter().cloned().zip(environment.term_ranges().iter().copied());
         let horizon = settings.reward_scale / (1.0 - settings.gamma);
@@ -96,13 +98,13 @@ impl Norms {
         Self {
             kl: match settings.rate {
                 Rate::Steered { target, .. } => target,
-                // The divergence of a policy whose every sample stands at the clip.
+                // The divergence of a policy whose every sample is at the clip bound.
                 _ => 0.5 * libm::log(1.0 + settings.clip).powi(2),
             },
             warm_up: settings.warm_up,
             outputs: environment.outputs().to_vec(),
             terms: named.filter(|(_, [low, high])| high > low).collect(),
-            // An episode that ends is worth nothing more, so zero is always possible.
+            // An episode that has ended has no further reward, so zero is always possible.
             returns: [(ends[0] * horizon).min(0.0), (ends[1] * horizon).max(0.0)],
         }
     }
@@ -127,8 +129,8 @@ fn kl(metrics: &UpdateMetrics, norms: &Norms) -> Vec<Sign> {
     let mut signs = Sign::when(found, || {
         let times = metrics.kl / norms.kl;
         format!(
-            "the policy jumps: update {} moved it by a KL divergence of {}, {times:.0} times the {} that is \
-             meant",
+            "the policy jumps: update {} moved it by a KL divergence of {}, {times:.0} times the target \
+             of {}",
             metrics.update,
             figure(metrics.kl),
             figure(norms.kl)
@@ -146,7 +148,7 @@ fn saturated_actions(metrics: &UpdateMetrics, norms: &Norms) -> Vec<Sign> {
         Sign::of(
             name,
             format!(
-                "action `{name}` is saturated: the policy asks for more than there is in {percent:.0} % of \
+                "action `{name}` is saturated: the policy commands more than its range in {percent:.0} % of \
                  the steps"
             ),
         )
@@ -182,7 +184,7 @@ fn explained_variance(metrics: &UpdateMetrics, norms: &Norms) -> Vec<Sign> {
     Sign::when(norms.settled(metrics) && explained < EXPLAINED, || {
         let percent = figure(100.0 * explained);
         format!(
-            "the critic is of no use: it explains {percent} % of the returns' variance, a constant explains \
+            "the critic is useless: it explains {percent} % of the returns' variance, a constant explains \
              0 %"
         )
     })
@@ -192,7 +194,7 @@ fn single_support(metrics: &UpdateMetrics, norms: &Norms) -> Vec<Sign> {
     let (Some(found), Some(wanted)) = (metrics.single_support, metrics.reference_single_support) else {
         return Vec::new();
     };
-    // Without an end in the whole rollout, episodes are long.
+    // Without any episode end in the rollout, episodes are long.
     let lasting = metrics.length_mean_s.is_none_or(|length| length > LASTING_S);
     let still = wanted > STEPPING && found < STANDING * wanted;
     Sign::when(still && lasting && norms.settled(metrics), || {
@@ -212,7 +214,7 @@ fn constant_terms(metrics: &UpdateMetrics, norms: &Norms) -> Vec<Sign> {
     let spread = |name: &String| metrics.term_spread.get(name).copied().unwrap_or(f64::INFINITY);
     let constant = heavy.filter(|(name, range)| spread(name) < CONSTANT * width(range));
     let signs = constant.filter_map(|(name, range)| {
-        // Steps that ended in a failure count zero in this mean.
+        // Steps that ended in a failure count as zero in this mean.
         let mean = metrics.terms.get(name).copied().unwrap_or(0.0);
         let place = match (mean - range[0]) / width(range) {
             share if share < 0.01 => "zero".to_owned(),
@@ -238,7 +240,7 @@ fn returns(metrics: &UpdateMetrics, norms: &Norms) -> Vec<Sign> {
             format!("the critic's targets are out of range: {found}, where the rewards allow {possible}")
         });
     }
-    // Targets may be nearly equal; values need not be that exact.
+    // Targets may be nearly equal; values need not match them that exactly.
     let width = (greatest - least).max(room);
     Sign::when(low < least - width || high > greatest + width, || {
         let [values, targets] =
@@ -247,7 +249,7 @@ fn returns(metrics: &UpdateMetrics, norms: &Norms) -> Vec<Sign> {
     })
 }
 
-/// A number in three digits.
+/// A number with three digits.
 fn figure(value: f64) -> String {
     match value.abs() {
         size if size >= 1e4 || (size > 0.0 && size < 1e-3) => format!("{value:.1e}"),

@@ -1,5 +1,5 @@
-//! Each check is provoked by a real training of the toy where that takes a second, by written metrics where
-//! not; and a training that is well, of the toy or of a robot, gives none.
+//! Each check is triggered by a real training of the toy if that takes about a second, otherwise by
+//! handwritten metrics. A healthy training, of the toy or of a robot, has no findings.
 
 use std::collections::BTreeMap;
 
@@ -26,14 +26,14 @@ fn settings(rate: Rate) -> Settings {
     Settings { samples: 7200, rate, ..toy::settings() }
 }
 
-/// A toy that says other things of itself.
+/// A toy that declares other outputs or reward ranges.
 fn toy(change: impl FnOnce(&mut Toy)) -> Toy {
     let mut toy = Toy::new();
     change(&mut toy);
     toy
 }
 
-/// What a training finds, and its metrics.
+/// The findings of a training, and its metrics.
 fn trained(
     settings: &Settings,
     init: Option<&Network>,
@@ -98,7 +98,8 @@ fn a_learning_rate_that_is_far_too_large_makes_the_policy_jump() {
     let (findings, lines) = trained(&settings(Rate::Constant(0.1)), None, Toy::new);
     let finding = of(&findings, "W0601");
     assert!(
-        finding.message.contains("the policy jumps: update ") && finding.message.contains("times the 0.017"),
+        finding.message.contains("the policy jumps: update ")
+            && finding.message.contains("times the target of 0.017"),
         "{finding:?}"
     );
     let first = lines.iter().find(|line| !line.warnings.is_empty()).unwrap();
@@ -140,8 +141,8 @@ fn a_critic_whose_steps_are_far_too_large_explains_nothing() {
     let settings = Settings { value_rate: 1.0, ..settings(Rate::Constant(1e-4)) };
     let (findings, lines) = trained(&settings, None, Toy::new);
     let finding = of(&findings, "W0605");
-    assert!(finding.message.starts_with("the critic is of no use: it explains "), "{finding:?}");
-    // The critic may be that wrong in the first updates after the warm-up.
+    assert!(finding.message.starts_with("the critic is useless: it explains "), "{finding:?}");
+    // In the first updates after the warm-up the critic may be that wrong.
     assert_eq!(finding.since, lines[11].samples);
 }
 
@@ -189,7 +190,7 @@ fn returns_beyond_what_the_rewards_allow_are_told() {
     );
 }
 
-/// Metrics of a walk that is well.
+/// Metrics of a healthy walk.
 fn walking(update: u64) -> UpdateMetrics {
     let named = |value: f64| BTreeMap::from([("pull".to_owned(), value)]);
     UpdateMetrics {
@@ -217,7 +218,7 @@ fn monitor() -> Monitor {
     Monitor::new(Norms::new(&toy::settings(), &toy))
 }
 
-/// What is found when these updates of a long training are changed.
+/// The findings after these updates of a long training are changed.
 fn watched(updates: std::ops::Range<u64>, change: impl Fn(&mut UpdateMetrics)) -> Vec<Finding> {
     let mut monitor = monitor();
     for update in 0..100 {
@@ -300,7 +301,7 @@ fn the_kl_divergence_may_be_large_for_a_moment_but_not_for_long() {
     assert_eq!((once[0].since, once[0].until), (11_000, Some(11_000)));
     assert_eq!(
         once[0].message,
-        "the policy jumps: update 10 moved it by a KL divergence of 1.50, 75 times the 0.020 that is meant"
+        "the policy jumps: update 10 moved it by a KL divergence of 1.50, 75 times the target of 0.020"
     );
     assert_eq!(codes(&watched(10..11, kl(f64::NAN))), ["W0601"]);
 }

@@ -1,4 +1,4 @@
-//! An update's passes as they go: what was seen, and whether it goes on.
+//! Progress of an update's passes: statistics so far, and whether to continue.
 
 use super::super::adam::Rule;
 use super::super::backend::Sums;
@@ -9,11 +9,11 @@ use super::{Outcome, Unfinished};
 pub(super) struct ActorCourse<'a> {
     settings: &'a Settings,
     outcome: Outcome,
-    /// What its steps are told.
+    /// Settings of its steps of Adam.
     pub rule: Rule,
     steps: f64,
     seen: usize,
-    /// Sum over the samples of the present pass.
+    /// Sum over the samples of the current pass.
     divergence: f64,
 }
 
@@ -21,12 +21,12 @@ pub(super) struct ActorCourse<'a> {
 pub(super) struct CriticCourse<'a> {
     settings: &'a Settings,
     outcome: Outcome,
-    /// What its steps are told.
+    /// Settings of its steps of Adam.
     pub rule: Rule,
     steps: f64,
 }
 
-/// The norm of a gradient that is one.
+/// The norm of a gradient if it is finite.
 pub(super) fn finite(norm: f64) -> Result<f64, Unfinished> {
     if norm.is_finite() { Ok(norm) } else { Err(Unfinished::Diverged) }
 }
@@ -36,13 +36,14 @@ fn rule(settings: &Settings, rates: [f64; 2]) -> Rule {
 }
 
 impl<'a> ActorCourse<'a> {
-    /// Before the first pass, with this step size.
+    /// The state before the first pass, with this step size.
     pub fn new(settings: &'a Settings, rate: f64) -> Self {
         let outcome = Outcome { rate, ..Outcome::default() };
         Self { settings, outcome, rule: rule(settings, [rate; 2]), steps: 0.0, seen: 0, divergence: 0.0 }
     }
 
-    /// Whether a minibatch finds that the policy has run away, and so that there is no further step.
+    /// Whether a minibatch shows that the policy has moved too far from the old one, so that no further step
+    /// is taken.
     pub fn runs_away(&mut self, sums: &Sums, rows: usize) -> bool {
         let moved = sums.divergence / rows as f64;
         let runs_away = self.settings.rate.overrun(moved);
@@ -53,7 +54,7 @@ impl<'a> ActorCourse<'a> {
         runs_away
     }
 
-    /// Takes in a step over a minibatch of so many rows, with a gradient of this norm.
+    /// Records a step over a minibatch of `rows` samples, with a gradient of this norm.
     pub fn stepped(&mut self, sums: &Sums, rows: usize, norm: f64) {
         self.seen += rows;
         self.outcome.actor_norm += norm;
@@ -62,14 +63,14 @@ impl<'a> ActorCourse<'a> {
         self.steps += 1.0;
     }
 
-    /// Ends a pass; whether the policy is far enough.
+    /// Ends a pass; returns whether the policy has moved far enough.
     pub fn ends_a_pass(&mut self) -> bool {
         self.outcome.epochs += 1;
         self.outcome.divergence = std::mem::take(&mut self.divergence) / self.settings.batch() as f64;
         self.settings.rate.exhausted(self.outcome.divergence)
     }
 
-    /// What the passes did.
+    /// The outcome of the passes.
     pub fn outcome(mut self) -> Outcome {
         self.outcome.actor_norm /= f64::max(self.steps, 1.0);
         self.outcome.clip_fraction /= self.seen.max(1) as f64;
@@ -78,21 +79,21 @@ impl<'a> ActorCourse<'a> {
 }
 
 impl<'a> CriticCourse<'a> {
-    /// Before the first pass, while the actor has this step size.
+    /// The state before the first pass, while the actor has this step size.
     pub fn new(settings: &'a Settings, actor_rate: f64) -> Self {
         let hidden = if settings.critic_hidden_follows { actor_rate } else { settings.value_rate };
         let rule = rule(settings, [hidden, settings.value_rate]);
         Self { settings, outcome: Outcome::default(), rule, steps: 0.0 }
     }
 
-    /// Takes in a step with a gradient of this norm.
+    /// Records a step with a gradient of this norm.
     pub fn stepped(&mut self, sums: &Sums, norm: f64) {
         self.outcome.value_loss += sums.error;
         self.outcome.critic_norm += norm;
         self.steps += 1.0;
     }
 
-    /// What the passes did.
+    /// The outcome of the passes.
     pub fn outcome(mut self) -> Outcome {
         self.outcome.critic_norm /= self.steps;
         self.outcome.value_loss /= (self.settings.epochs * self.settings.batch()) as f64;

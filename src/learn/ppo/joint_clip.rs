@@ -1,12 +1,12 @@
-//! Actor and critic in step: each minibatch's gradients are clipped by the norm of both together, as where
-//! one optimiser of the authors' code bounds the parameters of both networks.
+//! Joint gradient clipping: actor and critic take their steps together, and each minibatch's gradients are
+//! clipped by the norm of both, as with a single optimiser over the parameters of both networks.
 
 use super::super::backend::{Loss, Sums, TrainableMlp};
 use super::super::clock::timed;
 use super::course::{ActorCourse, CriticCourse, finite};
 use super::{Outcome, Passes, Pupil, Unfinished, Update, side_by_side};
 
-/// Trains both networks under one bound of their gradients' norm.
+/// Trains both networks under one bound on the joint norm of their gradients.
 pub(super) struct JointGradientClip<'a, M: TrainableMlp, L: Loss<M>> {
     pub actor: Pupil<'a, M, L>,
     pub critic: Pupil<'a, M, L>,
@@ -16,8 +16,8 @@ pub(super) struct JointGradientClip<'a, M: TrainableMlp, L: Loss<M>> {
 type Cpu = [f64; 2];
 
 impl<M: TrainableMlp, L: Loss<M>> JointGradientClip<'_, M, L> {
-    /// What the actor and the critic did; both go back to where the update began when the policy runs away,
-    /// and learn again with a smaller step size.
+    /// Returns the outcomes of actor and critic. When the policy moves too far, both return to their state
+    /// before the update and learn again with a smaller step size.
     pub fn improve(mut self, mut update: Update) -> Result<[Passes; 2], Unfinished> {
         let rate = &update.settings.rate;
         let before =
@@ -40,8 +40,8 @@ impl<M: TrainableMlp, L: Loss<M>> JointGradientClip<'_, M, L> {
         }
     }
 
-    /// The passes; once the actor has ended its own, or while it warms up, the critic goes on with its own
-    /// norm.
+    /// The passes. After the actor's last pass, and during the warm-up, the critic's gradient is clipped by
+    /// its own norm.
     fn pass_over(&mut self, update: Update, cpu: &mut Cpu) -> Result<[Outcome; 2], Unfinished> {
         let mut actor_course = ActorCourse::new(update.settings, update.rate);
         let mut critic_course = CriticCourse::new(update.settings, update.rate);

@@ -1,7 +1,7 @@
 //! The PPO update (Schulman et al. 2017): several passes of Adam over a rollout.
 //!
-//! Actor and critic are separate networks with independent losses, so they learn on two threads when there
-//! are two; the result is the same on one.
+//! Actor and critic are separate networks with independent losses, so they learn on two threads if available;
+//! one thread gives the same result.
 
 mod course;
 mod joint_clip;
@@ -26,20 +26,20 @@ use super::settings::{self, Settings};
 use crate::crash;
 use crate::stream::Stream;
 
-/// Both networks with their optimisers, and the steered step size.
+/// Both networks with their optimisers, and the adapted step size.
 pub struct Learner<B: Backend> {
     backend: B,
     /// The actor.
     pub actor: B::Mlp,
     /// The critic.
     pub critic: B::Mlp,
-    /// The actor's step size when it is steered by the KL divergence.
+    /// The actor's step size when it is adapted to the KL divergence.
     pub rate: f64,
 }
 
-/// A learner on whichever backend: what a training needs of it.
+/// A learner on any backend, as a training uses it.
 pub trait Improve: Send {
-    /// Learns from a rollout on up to two threads. An interruption leaves the networks as they were.
+    /// Learns from a rollout on up to two threads. An interruption leaves the networks unchanged.
     fn improve(
         &mut self,
         records: &[&Records],
@@ -48,20 +48,20 @@ pub trait Improve: Send {
         pace: Pace,
     ) -> Result<Outcome, Unfinished>;
 
-    /// The networks as they are now: actor, critic.
+    /// The current networks: actor, critic.
     fn networks(&self) -> [Network; 2];
 
-    /// Their states of Adam.
+    /// Their Adam states.
     fn moments(&self) -> [Adam; 2];
 
-    /// Replaces their states of Adam; false where one belongs to another number of parameters.
+    /// Replaces their Adam states; returns false if one belongs to another number of parameters.
     #[must_use]
     fn set_moments(&mut self, moments: [&Adam; 2]) -> bool;
 
-    /// The actor's step size when it is steered.
+    /// The actor's step size when it is adapted.
     fn rate(&self) -> f64;
 
-    /// Sets the actor's step size of a training that is resumed.
+    /// Sets the actor's step size when a training is resumed.
     fn set_rate(&mut self, rate: f64);
 }
 
@@ -80,8 +80,8 @@ pub fn learner(networks: [&Network; 2], settings: &Settings) -> Result<Box<dyn I
     }
 }
 
-/// Fails where this build or this machine has no such backend or device: without libtorch (R0005), without a
-/// CUDA device or without the instructions that the native backend's bits need (R0006).
+/// Fails if this build or machine lacks the backend or the device: without libtorch (R0005), without a CUDA
+/// device or without the instructions that the native backend's bits need (R0006).
 pub fn check_backend(backend: settings::Backend, device: settings::Device) -> Result<(), LearnError> {
     match backend {
         settings::Backend::Native => check_processor(),
@@ -95,16 +95,16 @@ pub fn check_backend(backend: settings::Backend, device: settings::Device) -> Re
     }
 }
 
-/// Place of an update in the training.
+/// Position of an update in the training.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
     /// Index of the update.
     pub update: u64,
-    /// Share of all samples that were learned from before it.
+    /// Share of all samples that were used before it.
     pub share: f64,
 }
 
-/// What an update did.
+/// Outcome of an update.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outcome {
     /// KL divergence of the policy after the update's last pass from the one before the update, averaged over
@@ -122,21 +122,21 @@ pub struct Outcome {
     pub critic_norm: f64,
     /// Mean squared error of the critic over all passes.
     pub value_loss: f64,
-    /// CPU time in s of the actor and of the critic, which learn side by side when there are two threads.
+    /// CPU time in s of the actor and of the critic, which learn in parallel when there are two threads.
     pub cpu: [f64; 2],
 }
 
-/// Why an update has no end.
+/// Reasons why an update did not finish.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unfinished {
-    /// A network's parameters or a gradient became NaN or infinite; the networks are somewhere in the middle
-    /// of the update.
+    /// A network's parameters or a gradient became NaN or infinite; the networks are in an intermediate
+    /// state.
     Diverged,
-    /// It was asked to stop; the networks are as they were before it.
+    /// The update was interrupted; the networks are as before it.
     Interrupted,
 }
 
-/// One update: what its passes have in common.
+/// One update: what its passes share.
 #[derive(Clone, Copy)]
 struct Update<'a> {
     settings: &'a Settings,
@@ -148,7 +148,7 @@ struct Update<'a> {
 }
 
 impl Update<'_> {
-    /// Fails when it is asked to stop.
+    /// Fails if the update should stop.
     fn goes_on(&self) -> Result<(), Unfinished> {
         if (self.pace.stop)() { Err(Unfinished::Interrupted) } else { Ok(()) }
     }
@@ -170,7 +170,7 @@ impl Update<'_> {
     }
 }
 
-/// What one network's passes came to.
+/// Outcome of one network's passes.
 struct Passes {
     outcome: Outcome,
     /// CPU time in s.
@@ -184,7 +184,7 @@ impl<B: Backend> Learner<B> {
         Self { backend, actor, critic, rate: settings.rate.start() }
     }
 
-    /// What the actor's and the critic's passes came to.
+    /// The outcomes of the actor's and the critic's passes.
     fn passes(&mut self, records: &[&Records], update: Update) -> Result<[Passes; 2], Unfinished> {
         let Update { settings, pace: Pace { threads, .. }, .. } = update;
         let actor_loss = self.backend.actor_loss(records, settings, self.actor.inputs());
@@ -245,7 +245,7 @@ impl<B: Backend> Improve for Learner<B> {
     }
 }
 
-/// Does both, on two threads if there are two.
+/// Runs both closures, on two threads if there are two.
 fn side_by_side<T: Send>(
     threads: usize,
     first: impl FnOnce() -> T + Send,
@@ -265,12 +265,12 @@ fn side_by_side<T: Send>(
     })
 }
 
-/// Parts of this length of a range, the last one shorter.
+/// Splits a range into parts of this length, the last one shorter.
 fn parts(whole: Range<usize>, length: usize) -> impl Iterator<Item = Range<usize>> {
     whole.clone().step_by(length.max(1)).map(move |start| start..(start + length).min(whole.end))
 }
 
-/// A network with the loss that it is trained on in an update.
+/// A network with its loss over an update.
 struct Pupil<'a, M: TrainableMlp, L: Loss<M>> {
     network: &'a mut M,
     loss: L,
@@ -282,7 +282,7 @@ impl<'a, M: TrainableMlp, L: Loss<M>> Pupil<'a, M, L> {
         Self { network, loss, workspaces: Workspaces::default() }
     }
 
-    /// Computes the gradient of the loss over a minibatch, one block of rows after the other.
+    /// Computes the gradient of the loss over a minibatch, block by block.
     fn differentiate(&mut self, minibatch: Range<usize>) -> Sums {
         let mut sums = Sums::default();
         let mut beta = Beta::Zero;
@@ -297,7 +297,8 @@ impl<'a, M: TrainableMlp, L: Loss<M>> Pupil<'a, M, L> {
         sums
     }
 
-    /// Learns as an actor; again with a smaller step size from where it began whenever the policy runs away.
+    /// Trains the actor; whenever the policy moves too far, again from the start of the update with a smaller
+    /// step size.
     fn improve_actor(mut self, mut update: Update) -> Result<Passes, Unfinished> {
         M::prepare_thread();
         if update.is_warm_up() {
@@ -321,8 +322,8 @@ impl<'a, M: TrainableMlp, L: Loss<M>> Pupil<'a, M, L> {
         Ok(Passes { outcome: outcome?, cpu })
     }
 
-    /// Passes over the rollout until there are enough of them, or the policy is far enough, or a minibatch
-    /// finds that it has run away; then that minibatch's divergence is the outcome's.
+    /// Passes over the rollout until all are done, the policy has moved far enough, or a minibatch shows that
+    /// it has moved too far; then the outcome has that minibatch's divergence.
     fn pass_as_actor(&mut self, update: Update) -> Result<Outcome, Unfinished> {
         let mut course = ActorCourse::new(update.settings, update.rate);
         'passes: for epoch in 0..update.settings.epochs {
@@ -345,7 +346,7 @@ impl<'a, M: TrainableMlp, L: Loss<M>> Pupil<'a, M, L> {
         Ok(course.outcome())
     }
 
-    /// Learns as a critic.
+    /// Trains the critic.
     fn improve_critic(mut self, update: Update) -> Result<Passes, Unfinished> {
         M::prepare_thread();
         let (outcome, cpu): (Result<Outcome, Unfinished>, f64) = timed(|| {

@@ -27,7 +27,7 @@ fn records_of(environment: usize, actor: &Network) -> Records {
         states: observations.clone(),
         observations,
         actions: means.iter().zip(noise).map(|(mean, noise)| mean + noise).collect(),
-        // The policy before the update was another one, so that ratios differ from 1 and some are clipped.
+        // The policy before the update differs, so ratios differ from 1 and some are clipped.
         means: means
             .iter()
             .zip(numbers("test/ppo/means", 40 * 2, 0.02))
@@ -77,11 +77,11 @@ fn is_made_again<B: Backend>(backend: B) {
         (learner, outcome)
     };
     let (found, outcome) = improved(far);
-    // Halved until no minibatch finds the policy five targets away.
+    // Halved until no minibatch is five targets away from the old policy.
     let halvings = libm::log2(far / outcome.rate);
     assert!(halvings >= 1.0 && halvings.fract() == 0.0, "{outcome:?}");
     assert!(outcome.divergence > 0.0 && outcome.divergence < 5.0 * target, "{outcome:?}");
-    // Nothing of what was taken back is left: neither in the parameters nor in the moments.
+    // Nothing remains of the update that was undone: neither in the parameters nor in the moments.
     let (expected, straight) = improved(outcome.rate);
     assert_eq!((outcome.divergence, outcome.epochs), (straight.divergence, straight.epochs));
     assert_eq!(flat(&found.actor.network()), flat(&expected.actor.network()));
@@ -155,7 +155,8 @@ fn both_norms_together_leave_the_critic_its_own_while_the_actor_warms_up_or_is_d
     let acting = [true, false].map(|both| improved(both, (1e-4, 0.02), 0));
     assert!(!equal([&acting[0], &acting[1]]));
     assert_ne!(flat(&acting[0].0.actor.network()), flat(&acting[1].0.actor.network()));
-    // It runs away, is taken back with the critic, and learns as if it had begun with the smaller step size.
+    // The actor moves too far, both networks are reset, and learn as if they had begun with the smaller step
+    // size.
     let (found, outcome) = improved(true, (8e-2, 0.02), 0);
     assert!(outcome.rate < 8e-2, "{outcome:?}");
     let straight = improved(true, (outcome.rate, 0.02), 0).0;
@@ -198,7 +199,7 @@ fn ends_at_a_gradient_that_is_no_number<B: Backend>(backend: B) {
     }
 }
 
-/// Three rollouts with one learner, and the networks and outcomes after each.
+/// Three rollouts with one learner; returns the networks and outcomes after each.
 fn course<B: Backend>(backend: B, settings: &Settings) -> Vec<(Vec<Vec<f32>>, Outcome)> {
     let network = |name: &str, outputs| {
         let mut network = Network::orthogonal(
@@ -250,7 +251,7 @@ fn backends_agree_update_by_update() {
                 assert!(close(of_native.actor_norm, of_torch.actor_norm), "{of_native:?} {of_torch:?}");
                 assert!(close(of_native.critic_norm, of_torch.critic_norm), "{of_native:?} {of_torch:?}");
                 assert!(close(of_native.value_loss, of_torch.value_loss), "{of_native:?} {of_torch:?}");
-                // One of 80 samples may be at the bound itself.
+                // One of 80 samples may be exactly at the bound.
                 assert!((of_native.clip_fraction - of_torch.clip_fraction).abs() < 0.02);
             }
         }

@@ -1,11 +1,12 @@
-//! Balance: what brings a robot back to its reference motion as a whole, where the springs of its joints
-//! bring back joints.
+//! Balance: returns the robot as a whole to its reference motion, while the joints' PD control returns single
+//! joints.
 //!
 //! The robot is a pendulum on its soles. With its centre of mass c at a height h above the centre of pressure
 //! p and a moment M about c it accelerates by a = w^2 (c - p - l), w^2 = g/h, where l = (M_y, -M_x) / (m g)
-//! is what the moment takes. Wanted is the reference's acceleration and a spring and a damper to its centre
-//! of mass; given is what keeps p on the soles in contact. What only joints, attitude and phase tell is used,
-//! because that is what the actor sees: velocities are those over feet that rest on the ground.
+//! is the share of the moment. The desired acceleration is the reference's plus a spring and a damper to its
+//! centre of mass; it is limited so that p stays on the soles in contact. Only joints, attitude and phase are
+//! used, because the actor observes nothing else: velocities assume that the feet in contact rest on the
+//! ground.
 
 use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector2, Vector3};
 
@@ -14,23 +15,23 @@ use crate::kinds::motion::Frame;
 use crate::kinds::pretrain::tracking::Balance as Keys;
 use crate::robot::{GRAVITY, Kinematics, Robot};
 
-/// Step of the difference that gives velocities, in s.
+/// Step of the finite difference that gives velocities, in s.
 const STEP: f64 = 1e-5;
 
-/// Computes the push for one robot; holds all buffers.
+/// Computes the balancing push for one robot; holds all buffers.
 #[derive(Clone, Debug)]
 pub struct Balance {
     kinematics: Kinematics,
-    /// Per length and velocity of the centre of mass, in w^2 and w.
+    /// Gains on the centre of mass's position and velocity error, in units of w^2 and w.
     spring: [f64; 2],
-    /// Per angle of the base in m g h, and its damping over that in s.
+    /// Gain on the base's angle in m g h per rad, and its damping relative to it in s.
     upright: [f64; 2],
-    /// What of each sole carries: half extents in m.
+    /// Loaded part of each sole: half extents in m.
     soles: [Vector2<f64>; 2],
     moved: Vec<f64>,
 }
 
-/// What the ground shall give.
+/// The force and moment that the ground should exert.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Push {
     /// Acceleration of the centre of mass in m/s^2, world frame, x and y.
@@ -39,19 +40,19 @@ pub struct Push {
     pub moment: Vector3<f64>,
 }
 
-/// The robot as seen from the feet that the schedule has on the ground.
+/// The robot's state relative to the feet in contact according to the schedule.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
-    /// From the middle of the feet to the centre of mass, in m.
+    /// Vector from the middle of the feet to the centre of mass, in m.
     offset: Vector3<f64>,
-    /// Its velocity in m/s.
+    /// Velocity of the centre of mass in m/s.
     velocity: Vector3<f64>,
     /// Angular velocity of the base in rad/s.
     rate: Vector3<f64>,
 }
 
 impl Balance {
-    /// From the keys of `pretrain.balance`; the centre of pressure keeps within this share of the soles.
+    /// From the keys of `pretrain.balance`; the centre of pressure stays within this share of the soles.
     pub fn new(keys: &Keys, robot: &Robot, pressure_within: f64) -> Self {
         Self {
             kinematics: Kinematics::new(robot),
@@ -62,7 +63,7 @@ impl Balance {
         }
     }
 
-    /// What brings this state back to the reference, of which one foot or both are on the ground.
+    /// The push that returns this state to the reference, with one or both feet on the ground.
     pub fn push(&mut self, drawn: &Drawn, frame: &Frame) -> Push {
         let heading = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), drawn.yaw);
         let [w, x, y, z] = frame.base_orientation;
@@ -93,13 +94,13 @@ impl Balance {
         Push { acceleration: [acceleration.x, acceleration.y], moment }
     }
 
-    /// The drawn state; leaves the kinematics in it.
+    /// The drawn state relative to the feet in contact; leaves the kinematics in that state.
     fn seen(&mut self, drawn: &Drawn, contact: [bool; 2]) -> Seen {
         let kinematics = &mut self.kinematics;
         self.moved.clear();
         self.moved
             .extend(drawn.position.iter().zip(drawn.swing).map(|(position, swing)| position + STEP * swing));
-        // In the frame of a foot that rests.
+        // In the frame of a resting foot.
         let from_foot = |kinematics: &Kinematics, side: usize| {
             let sole = kinematics.sole(side);
             (
@@ -121,8 +122,7 @@ impl Balance {
         seen
     }
 
-    /// The point on the soles in contact (a box along the heading) that is nearest to one, at the soles'
-    /// height.
+    /// The nearest point to `point` on the soles in contact (a box along the heading), at the soles' height.
     fn kept(&self, heading: &UnitQuaternion<f64>, point: &Vector3<f64>, contact: [bool; 2]) -> Vector3<f64> {
         let along = |point: &Vector3<f64>| (heading.inverse() * point).xy();
         let [left, right] = [0, 1].map(|side| {
@@ -138,7 +138,7 @@ impl Balance {
     }
 }
 
-/// The share of each foot in what is seen from the feet in contact.
+/// The weight of each foot in the state relative to the feet in contact.
 fn shares(contact: [bool; 2]) -> [f64; 2] {
     match contact {
         [true, false] => [1.0, 0.0],

@@ -1,8 +1,8 @@
-//! What is drawn: a state of the robot, and the figures of its joints that a label takes.
+//! Inputs of a label: a drawn state of the robot, and the parameters of its joints.
 
 use nalgebra::Isometry3;
 
-/// A state of the robot that a label is wanted for.
+/// A state of the robot for which a label is computed.
 #[derive(Clone, Copy, Debug)]
 pub struct Drawn<'a> {
     /// The base; only its orientation matters.
@@ -11,11 +11,11 @@ pub struct Drawn<'a> {
     pub yaw: f64,
     /// Joint positions in rad.
     pub position: &'a [f64],
-    /// Joint velocities beyond the reference's in rad/s.
+    /// Joint velocities minus the reference's, in rad/s.
     pub swing: &'a [f64],
 }
 
-/// Figures of one joint.
+/// Parameters of one joint.
 #[derive(Clone, Copy, Debug)]
 pub struct Drive {
     /// Largest torque in N m.
@@ -24,7 +24,7 @@ pub struct Drive {
     pub stiffness: f64,
     /// Derivative gain in N m s/rad.
     pub damping: f64,
-    /// Inertia of the rotor at the joint in kg m^2.
+    /// Inertia of the rotor, reflected to the joint, in kg m^2.
     pub armature: f64,
     /// Position in the default pose in rad.
     pub default_position: f64,

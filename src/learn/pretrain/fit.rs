@@ -1,5 +1,5 @@
-//! The regression: draws the samples on all threads, fits the actor with Adam, measures the held-out error in
-//! N m.
+//! The regression: draws the samples on all threads, fits the actor with Adam, and measures the held-out
+//! error in N m.
 
 use std::path::Path;
 
@@ -23,10 +23,10 @@ use crate::stream::Stream;
 
 /// Samples that are drawn from one random stream.
 const BLOCK: usize = 512;
-/// One held-out sample for this many fitted ones.
+/// Number of fitted samples per held-out sample.
 const HELD_OUT: usize = 20;
 
-/// What a pre-training needs.
+/// Inputs of a pre-training.
 #[derive(Clone, Copy)]
 pub struct Lesson<'a> {
     /// The decoded fields that the stage declares.
@@ -37,16 +37,16 @@ pub struct Lesson<'a> {
     pub motion: Option<&'a Motion>,
     /// Threads to use; the result does not depend on their number.
     pub threads: usize,
-    /// Told the share that is done; answers whether to stop.
+    /// Called with the completed share; returns true to stop.
     pub interrupted: &'a dyn Fn(f64) -> bool,
 }
 
-/// What came out.
+/// Result of a pre-training.
 #[derive(Clone, Debug)]
 pub struct Pretrained {
     /// The fitted actor.
     pub actor: Network,
-    /// How well it fits.
+    /// Errors of the fit.
     pub report: PretrainReport,
 }
 
@@ -154,10 +154,10 @@ fn draw(teacher: &Teacher, stream: &str, count: usize, threads: usize, clock: &m
 struct Regression<'a> {
     /// Samples, passes and step sizes.
     lesson: &'a pretrain::Lesson,
-    /// The first outputs, which are fitted; the others have no labels.
+    /// Number of outputs that are fitted, from the first; the others have no labels.
     fitted: usize,
     seed: u64,
-    /// Told the share that is done; answers whether to stop.
+    /// Called with the completed share; returns true to stop.
     interrupted: &'a dyn Fn(f64) -> bool,
 }
 
@@ -205,7 +205,7 @@ fn gather(minibatch: &[usize], from: &[f32], rows: &mut [f32]) {
     }
 }
 
-/// Writes the slopes of half the mean squared error of the first `fitted` outputs.
+/// Writes the derivatives of half the mean squared error of the first `fitted` outputs.
 fn write_slopes(minibatch: &[usize], labels: &[f32], fitted: usize, space: &mut Workspace) {
     let (found, slopes) = space.slopes_mut();
     let outputs = found.len() / minibatch.len();

@@ -1,8 +1,8 @@
-//! Pre-training: fits the actor to labels from closed forms, before any simulation.
+//! Pre-training: fits the actor to closed-form labels before any simulation.
 //!
-//! `teacher` draws states (`drawn`), some of them about a `reference` motion; `tracking` and gravity
-//! compensation know the torques for them (`balance`: what keeps a walk on its feet); `fit` is the
-//! regression. No simulator is used.
+//! `teacher` draws states (`drawn`), some of them near a `reference` motion. `tracking` and gravity
+//! compensation compute the torques for them, with `balance` for walks, and `fit` is the regression. No
+//! simulator is used.
 
 mod balance;
 mod drawn;
@@ -21,18 +21,18 @@ use serde::{Deserialize, Serialize};
 pub use fit::{Lesson, Pretrained, pretrain};
 pub use teacher::Teacher;
 
-/// What a pre-training reached: `pretrain.json`.
+/// Report of a pre-training: `pretrain.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PretrainReport {
     /// The kind: `gravity_compensation` or `tracking`.
     pub kind: String,
-    /// Samples that were fitted.
+    /// Number of fitted samples.
     pub samples: u64,
-    /// Samples that were held out.
+    /// Number of held-out samples.
     pub held_out: u64,
     /// Root mean square error of the torques on the held-out samples in N m, over all joints.
     pub rmse_nm: f64,
-    /// Root mean square of the held-out labels in N m: the error of an actor that does nothing.
+    /// Root mean square of the held-out labels in N m: the error of an actor whose output is zero.
     pub label_rms_nm: f64,
     /// The error of each joint in N m.
     pub rmse_by_joint_nm: BTreeMap<String, f64>,

@@ -1,4 +1,4 @@
-//! The reference motion that labels follow, and what the actor sees of it.
+//! The reference motion of the labels, and its velocities as the actor observes them.
 
 use crate::control::low_pass::LowPass;
 use crate::kinds::motion::{Frame, Motion};
@@ -9,12 +9,12 @@ use crate::kinds::pretrain::{Pretraining, Tracking};
 use crate::spec::Section;
 use crate::spec::typed::{Declared, InSection};
 
-/// The reference motion with the velocities that the actor would see of it.
+/// The reference motion, and the same with observed velocities.
 #[derive(Clone, Debug)]
 pub struct Reference {
     /// The motion.
     pub motion: Motion,
-    /// The same frames with velocities as the observation's filter shows them.
+    /// The same frames with velocities after the observation's filter.
     pub seen: Motion,
 }
 
@@ -30,7 +30,7 @@ impl Reference {
     }
 }
 
-/// The observation's velocity filter with its step in s, where there is one.
+/// The observation's velocity filter with its step in s, if there is one.
 fn filter(sections: Section) -> Option<(LowPass, f64)> {
     let step = 1.0 / sections.section(Physics::SECTION)?.value(Physics::rate)?;
     let mut terms = sections.within::<Observations>()?.sections();
@@ -38,7 +38,7 @@ fn filter(sections: Section) -> Option<(LowPass, f64)> {
     term.value(JointVelocity::low_pass).map(|cutoff| (LowPass::new(cutoff, step), step))
 }
 
-/// The motion with velocities as a low-pass filter shows them in steady state, at every frame.
+/// The motion with velocities after a low-pass filter in steady state, at every frame.
 fn filtered(motion: &Motion, filter: LowPass, step: f64) -> Motion {
     let mut seen = motion.clone();
     let mut frame = Frame::default();

@@ -1,14 +1,14 @@
-//! What the fitted actor misses of its labels, in what a motor can give.
+//! Joints whose labels the fitted actor misses, relative to the motor's limit.
 
 use super::PretrainReport;
 use crate::robot::Robot;
 
-/// Share of an effort limit from which the error of a joint is told. TOCABI's are at most a tenth.
+/// Share of its effort limit from which a joint's error is reported. TOCABI's errors are at most a tenth.
 const LARGE: f64 = 0.2;
-/// Joints that are named.
+/// Largest number of joints that are named.
 const NAMED: usize = 3;
 
-/// What to do about it.
+/// The suggested fix.
 pub const FIX: &str = "give the pre-training more `samples` or `epochs`, or a narrower `position_noise`, and \
     compare the \
                        labels with the motors in the robot's file";

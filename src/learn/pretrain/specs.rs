@@ -1,4 +1,4 @@
-//! Decoded specs for the tests of pre-training, written by hand.
+//! Handwritten decoded specs for the tests of pre-training.
 
 use crate::spec::{Quantity, Sampler, Table, Value};
 
@@ -72,7 +72,7 @@ pub fn torque(kind: &str) -> Table {
     keys.into_iter().map(|(key, value)| (key.to_owned(), value)).collect()
 }
 
-/// The same under position control.
+/// The same walk under position control.
 pub fn position(kind: &str) -> Table {
     let mut fields = torque(kind);
     fields.insert("action".into(), action("position"));
@@ -89,7 +89,7 @@ pub fn balance() -> Value {
     ])
 }
 
-/// The same without any noise.
+/// The same fields without any noise.
 pub fn still(mut fields: Table) -> Table {
     if let Some(Value::Table(pretrain)) = fields.get_mut("pretrain") {
         pretrain.insert("position_noise".into(), Value::Sampler(Sampler::Constant(0.0)));

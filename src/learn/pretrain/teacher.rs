@@ -1,4 +1,4 @@
-//! The teacher: draws states of the robot and gives the actions that a good policy would take in them.
+//! The teacher: draws states of the robot and computes the actions of a good policy in them.
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
@@ -17,7 +17,7 @@ use super::drawn::{Drawn, Drive};
 use super::reference::Reference;
 use super::tracking::Tracking;
 
-/// Draws labelled states. Each thread has its own.
+/// Draws labelled states. Each thread has its own teacher.
 #[derive(Clone, Debug)]
 pub struct Teacher {
     observation: Observation,
@@ -29,22 +29,22 @@ pub struct Teacher {
     joints: Vec<Drive>,
     speed: Sampler,
     phase_action: bool,
-    /// Whether the label of the phase action is drawn, as the paper prints it.
+    /// Whether the label of the phase action is random, as in the paper.
     random_phase: bool,
     state: State,
 }
 
-/// What the labels are.
+/// The rule that gives the labels.
 #[derive(Clone, Debug)]
 enum Rule {
     /// Hold still against gravity.
     Gravity {
-        /// Share of the samples about the default pose.
+        /// Share of the samples near the default pose.
         standing_share: f64,
-        /// A sole this far above the lower one still carries, in m.
+        /// Height above the lower sole, in m, up to which a sole still carries load.
         contact_height: f64,
     },
-    /// Follow the reference motion softly.
+    /// Follow the reference motion compliantly.
     Tracking(Box<Tracking>),
 }
 
@@ -113,7 +113,7 @@ impl Teacher {
         self.joints.len() + usize::from(self.phase_action)
     }
 
-    /// Number of outputs that have a torque behind them; one more is the phase action.
+    /// Number of outputs that stand for a torque; one more is the phase action.
     pub fn joints(&self) -> usize {
         self.joints.len()
     }
@@ -124,8 +124,8 @@ impl Teacher {
         units.map(|(unit, (stiffness, _))| if stiffness > 0.0 { stiffness * unit } else { unit }).collect()
     }
 
-    /// Draws a state; writes the actor's input and the action it should take. The phase action's label is
-    /// zero unless a random one is asked for.
+    /// Draws a state, and writes the actor's input and the action to learn. The phase action's label is zero
+    /// unless it is random.
     pub fn draw(&mut self, stream: &mut Stream, input: &mut [f32], label: &mut [f32]) {
         let shown_phase = stream.uniform();
         let attitude = self.pose(shown_phase, stream);
@@ -159,7 +159,7 @@ impl Teacher {
     /// Draws joints and base; returns the base's fixed-XYZ angles.
     fn pose(&mut self, shown_phase: f64, stream: &mut Stream) -> [f64; 3] {
         let State { frame, seen, position, swing, velocity, seen_velocity, .. } = &mut self.state;
-        // Gravity compensation does not know the phase, so its pose is that of another one.
+        // Gravity compensation ignores the phase, so its pose is drawn at another one.
         let (standing, phase) = match &self.rule {
             Rule::Gravity { standing_share, .. } => (stream.uniform() < *standing_share, stream.uniform()),
             Rule::Tracking(_) => (false, shown_phase),
@@ -226,7 +226,7 @@ impl Noise {
             .filter(|input| input.name == "joint_velocity")
             .map(|input| input.scale);
         let mut velocity: Vec<f64> = scales.map(|scale| share * scale).collect();
-        // An actor that does not see velocities is taught about resting joints.
+        // An actor without velocities in its input is trained on resting joints.
         velocity.resize(robot.joints(), 0.0);
         let tilt = &lesson.tilt_noise;
         let tilt = tilt.iter().copied().cycle().take(if tilt.is_empty() { 0 } else { 3 }).collect();

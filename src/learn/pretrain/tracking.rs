@@ -9,20 +9,20 @@ use crate::kinds::motion::Frame;
 use crate::kinds::pretrain::Tracking as Keys;
 use crate::robot::{GRAVITY, GravityCompensation, Robot, felt_gravity};
 
-/// What the keys of `[pretrain]` say of the labels.
+/// The labels' settings in `[pretrain]`.
 #[derive(Clone, Debug)]
 pub struct Tracking {
-    /// Share of the robot's own proportional gain.
+    /// Factor on the robot's own proportional gain.
     stiffness: f64,
-    /// Share of the robot's own derivative gain.
+    /// Factor on the robot's own derivative gain.
     damping: f64,
     /// Whether inertial forces of the reference motion are added.
     inertial: bool,
-    /// Whether gravity is felt as in a body that swings with the reference motion's base.
+    /// Whether gravity includes the acceleration of the reference motion's base.
     tilted_gravity: bool,
-    /// Share of the sole that the centre of pressure keeps within; without it a foot holds any moment.
+    /// Share of the sole within which the centre of pressure stays; without it a foot supports any moment.
     pressure_within: Option<f64>,
-    /// What brings the robot back as a whole.
+    /// Balance of the robot as a whole, if set.
     balance: Option<Balance>,
 }
 
@@ -69,7 +69,7 @@ impl Tracking {
         }
     }
 
-    /// Appends the torques that hold a pose on these feet.
+    /// Appends the torques that hold a pose on the feet in contact.
     fn hold(
         &self,
         gravity: &mut GravityCompensation,
@@ -90,7 +90,7 @@ impl Tracking {
     }
 }
 
-/// A base in felt gravity, and the moment in N m that turns it.
+/// Effective gravity at the base, and the moment in N m that rotates the base.
 struct Felt {
     base: Isometry3<f64>,
     moment: Vector3<f64>,

@@ -1,4 +1,4 @@
-//! From a model to what worlds of one group share and to the figures of one of them.
+//! Compiles a model into what the worlds of a group share and the parameters of one world.
 
 use super::dynamics;
 use super::figures::{Figures, IMPEDANCE, ShapeKind, ShapeOf, Topology};
@@ -10,7 +10,7 @@ use super::work::{Motion, Work};
 
 /// Time constant in s of joint limits and joint friction (MuJoCo's default `solref`, damping ratio 1).
 const ROW_TIME: f64 = 0.02;
-/// Tolerance of the solver, by which it is scaled with the mean inertia as MuJoCo does.
+/// Tolerance of the solver, relative to the mean inertia as in MuJoCo.
 const TOLERANCE: f64 = 1e-10;
 /// MuJoCo's `mjMINVAL`.
 const SMALLEST: f64 = 1e-15;
@@ -18,7 +18,7 @@ const SMALLEST: f64 = 1e-15;
 /// A world's model, ready to be loaded into a lane.
 #[derive(Clone, Debug)]
 pub struct Compiled {
-    /// What it must share with the others of its group.
+    /// The part that all worlds of its group share.
     pub(crate) topology: std::sync::Arc<Topology>,
     pub(crate) figures: Figures<f64>,
 }
@@ -36,7 +36,7 @@ impl Compiled {
         std::sync::Arc::ptr_eq(&self.topology, &other.topology) || self.topology == other.topology
     }
 
-    /// Inverse weights as MuJoCo has them: of each joint (`dof_invweight0`) and, for translation, of each
+    /// Inverse weights as MuJoCo defines them: of each joint (`dof_invweight0`) and, for translation, of each
     /// body (`body_invweight0`), in the model's order.
     pub fn inverse_weights(&self) -> (Vec<f64>, Vec<f64>) {
         let joints = self.topology.order.len();
@@ -61,8 +61,8 @@ fn apply(a: &Rows, v: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| a[i][0] * v[0] + a[i][1] * v[1] + a[i][2] * v[2])
 }
 
-/// A frame in which an axis is a positive unit vector, by its number: none of it is turned if the axis is one
-/// already.
+/// A frame in which the axis is the positive unit vector of the returned index. The frame is not rotated if
+/// the axis already is a unit vector.
 fn straightened(axis: [f64; 3]) -> (Rows, usize) {
     for k in 0..3 {
         let (u, v) = ((k + 1) % 3, (k + 2) % 3);
@@ -75,8 +75,7 @@ fn straightened(axis: [f64; 3]) -> (Rows, usize) {
             return (turn, k);
         }
     }
-    // The columns x, y, axis, with x at right angles to the axis and to the unit vector that is furthest from
-    // it.
+    // The columns x, y, axis, with x orthogonal to the axis and to the unit vector that is furthest from it.
     let far = (0..3).fold(0, |far, k| if axis[k].abs() < axis[far].abs() { k } else { far });
     let mut x: [f64; 3] = std::array::from_fn(|i| if i == far { 1.0 } else { 0.0 } - axis[far] * axis[i]);
     let length = (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]).sqrt();
@@ -86,7 +85,8 @@ fn straightened(axis: [f64; 3]) -> (Rows, usize) {
     (std::array::from_fn(|i| [x[i], y[i], axis[i]]), 2)
 }
 
-/// The model in the engine's frames: every link's frame is turned so that its joint's axis is one of its own.
+/// The model in the engine's frames: every link's frame is rotated so that its joint's axis is a coordinate
+/// axis.
 fn translate(model: &Model, settings: &Settings) -> (Topology, Figures<f64>) {
     let parents: Vec<usize> = model.joints.iter().map(|joint| joint.parent).collect();
     let order = Tree::depth_first(&parents);
@@ -158,7 +158,7 @@ fn translate(model: &Model, settings: &Settings) -> (Topology, Figures<f64>) {
     (topology, figures)
 }
 
-/// A sphere around shapes, a hair larger than it must be.
+/// A bounding sphere of shapes, slightly larger than necessary.
 fn around(places: &[V3<f64>], kinds: impl Iterator<Item = Kind>) -> [f64; 4] {
     let count = places.len().max(1) as f64;
     let centre: V3<f64> =
@@ -171,7 +171,7 @@ fn around(places: &[V3<f64>], kinds: impl Iterator<Item = Kind>) -> [f64; 4] {
     [centre[0], centre[1], centre[2], radius * (1.0 + 1e-9) + 1e-9]
 }
 
-/// What MuJoCo's `mj_setConst` derives from the figures in the zero pose: inverse weights and the mean
+/// What MuJoCo's `mj_setConst` derives from the parameters in the zero pose: inverse weights and the mean
 /// inertia.
 fn derive(topology: &Topology, figures: &mut Figures<f64>) {
     let tree = &topology.tree;

@@ -1,16 +1,16 @@
-//! The constraint that a contact is, with what the solver keeps of it.
+//! A contact as a constraint, with the solver's values for it.
 
 use super::lane::{Lane, Mask};
 use super::math::V3;
 
-/// A contact in some lanes, and what the solver keeps of it.
+/// A contact in some lanes, with the solver's values for it.
 #[derive(Clone, Copy)]
 pub struct Contact<L: Lane> {
     pub body: usize,
     pub foot: Option<usize>,
-    /// The lanes in which it is one.
+    /// The lanes in which the contact exists.
     pub active: L::Mask,
-    /// Its place relative to the base's origin.
+    /// Its position relative to the base's origin.
     pub p: V3<L>,
     /// Normal out of the ground.
     pub n: V3<L>,
@@ -21,7 +21,7 @@ pub struct Contact<L: Lane> {
     pub d: L,
     /// Reference acceleration.
     pub reference: V3<L>,
-    /// Acceleration of the point less the reference, and its change along the search direction.
+    /// Acceleration of the point minus the reference, and its change along the search direction.
     pub gap: V3<L>,
     pub change: V3<L>,
     /// Normal part of the gap, tangential part, square of its length.
@@ -72,7 +72,7 @@ impl<L: Lane> Contact<L> {
     }
 }
 
-/// The contacts of a step; places of former steps are used again.
+/// The contacts of a step; storage of former steps is reused.
 pub struct Contacts<L: Lane> {
     places: Vec<Contact<L>>,
     used: usize,
@@ -89,12 +89,12 @@ impl<L: Lane> Contacts<L> {
     pub fn all_mut(&mut self) -> &mut [Contact<L>] {
         &mut self.places[..self.used]
     }
-    /// Gives up those of the last step.
+    /// Discards the contacts of the last step.
     #[inline(always)]
     pub(super) fn clear(&mut self) {
         self.used = 0;
     }
-    /// A place for one more.
+    /// Storage for one more contact.
     #[inline(always)]
     pub(super) fn next(&mut self) -> &mut Contact<L> {
         if self.used == self.places.len() {

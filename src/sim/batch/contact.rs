@@ -1,4 +1,4 @@
-//! Contacts with the ground: where shapes touch it, as MuJoCo finds them, each made a constraint.
+//! Contacts with the ground, found as in MuJoCo and turned into constraints.
 
 #![expect(
     clippy::needless_range_loop,
@@ -13,12 +13,12 @@ use super::model::{Ground, Plane};
 use super::solid;
 use super::work::{Motion, Work};
 
-/// The least friction coefficient (MuJoCo's `mjMINMU`).
+/// Smallest friction coefficient (MuJoCo's `mjMINMU`).
 const SMALLEST_FRICTION: f64 = 1e-5;
-/// Contacts that a box has with a plane at most.
+/// Largest number of contacts of a box with a plane.
 const CORNERS: f64 = 4.0;
 
-/// Fills the contacts of a step.
+/// Computes the contacts of a step.
 pub struct Touch<'a, L: Lane> {
     pub topology: &'a Topology,
     pub figures: &'a Figures<L>,
@@ -74,14 +74,14 @@ impl<L: Lane> Surface<L> {
         Self { point: plane.point.map(L::splat), normal: plane.normal.map(L::splat) }
     }
 
-    /// Height of a point of the world above the plane.
+    /// Height of a world point above the plane.
     #[inline(always)]
     fn height(&self, point: V3<L>) -> L {
         dot(self.normal, sub(point, self.point))
     }
 }
 
-/// A shape where it is: place relative to the base's origin, axes.
+/// A shape in its current pose: position relative to the base's origin, axes.
 struct At<L> {
     body: usize,
     foot: Option<usize>,
@@ -109,7 +109,7 @@ impl<L: Lane> At<L> {
     }
 }
 
-/// A touch: lanes, place relative to the base's origin, normal, distance (negative inside).
+/// A touching point: lanes, position relative to the base's origin, normal, distance (negative inside).
 struct Touching<L: Lane> {
     lanes: L::Mask,
     p: V3<L>,
@@ -118,7 +118,7 @@ struct Touching<L: Lane> {
 }
 
 impl<L: Lane> Touching<L> {
-    /// A touch at a point of the shape: MuJoCo puts it halfway between the surfaces.
+    /// A contact at a point of the shape: MuJoCo puts it halfway between the surfaces.
     #[inline(always)]
     fn halfway(lanes: L::Mask, point: V3<L>, n: V3<L>, distance: L) -> Self {
         Self { lanes, p: axpy(L::splat(-0.5) * distance, n, point), n, distance }
@@ -178,7 +178,7 @@ fn planar<L: Lane>(
     }
 }
 
-/// Corner of a box with these half edges: bit `k` of its number says which end of edge `k`.
+/// Corner of a box with these half edges: bit `k` of its index selects the end of edge `k`.
 #[inline(always)]
 fn corner_of<L: Lane>(corner: usize, edges: [L; 3]) -> L {
     let [x, y, z] = edges;
@@ -205,7 +205,7 @@ fn cylinder<L: Lane>(
     let down = zero.lt(along);
     let axis = at.turn[2].map(|part| L::select(down, -part, part));
     let along = L::select(down, -along, along);
-    // What is left of -n across the axis.
+    // The component of -n orthogonal to the axis.
     let across = sub(scaled(along, axis), n);
     let square = dot(across, across);
     let upright = square.lt(L::splat(1e-30));
@@ -236,7 +236,7 @@ fn cylinder<L: Lane>(
     constrain(at, &Touching::halfway(lowest, sub(middle, sideways), n, distance), figures, work);
 }
 
-/// Makes a touch a constraint, in the lanes in which the shape is in the ground.
+/// Adds a contact as a constraint, in the lanes in which the shape is in the ground.
 #[inline(always)]
 fn constrain<L: Lane>(at: &At<L>, touching: &Touching<L>, figures: &Figures<L>, work: &mut Work<L>) {
     let Touching { lanes, p, n, distance } = *touching;
@@ -262,7 +262,7 @@ fn constrain<L: Lane>(at: &At<L>, touching: &Touching<L>, figures: &Figures<L>, 
     }
 }
 
-/// MuJoCo's impedance at a depth, for the default `solimp`.
+/// MuJoCo's impedance at a penetration depth, for the default `solimp`.
 #[inline(always)]
 pub fn impedance<L: Lane>(depth: L) -> L {
     let (one, two) = (L::splat(1.0), L::splat(2.0));
@@ -274,13 +274,13 @@ pub fn impedance<L: Lane>(depth: L) -> L {
     y.fma(L::splat(IMPEDANCE[1] - IMPEDANCE[0]), L::splat(IMPEDANCE[0]))
 }
 
-/// The shapes of a body and the centre of the sphere around them in the world.
+/// The shapes of a body and the centre of their bounding sphere in the world.
 struct Cluster<L> {
     shapes: std::ops::Range<usize>,
     centre: V3<L>,
 }
 
-/// Contacts with boxes and a height field, found lane by lane.
+/// Contacts with boxes and height fields, found lane by lane.
 #[inline(always)]
 fn uneven<L: Lane>(
     topology: &Topology,
@@ -306,7 +306,7 @@ fn uneven<L: Lane>(
     let mut hits = Vec::new();
     for index in cluster.shapes.clone() {
         let at = At::new(topology, figures, work, index);
-        // The hits of all lanes, the first ones in the first value and so on.
+        // The hits of all lanes: the first ones in the first value and so on.
         let mut touches: Vec<Touching<L>> = Vec::new();
         for lane in (0..L::LANES).filter(|lane| near[*lane]) {
             let three =

@@ -1,5 +1,4 @@
-//! Convex solids of a robot and of the ground, and the geometry of their points, edges and faces, in plain
-//! numbers.
+//! Convex solids of a robot and of the ground, and the geometry of their points, edges and faces.
 
 use super::figures::ShapeKind;
 use super::model::Block;
@@ -24,7 +23,7 @@ pub struct Hit {
     pub distance: f64,
 }
 
-/// Squares of lengths below this are those of no direction.
+/// Squared lengths below this have no direction.
 const PARALLEL: f64 = 1e-16;
 
 #[inline]
@@ -208,15 +207,14 @@ fn nearest_of_triangle(p: P, [a, b, c]: [P; 3]) -> P {
     add(a, add(times(vb * share, ab), times(vc * share, ac)))
 }
 
-/// The points at which two segments are nearest to each other.
+/// The closest points of two segments.
 pub(super) fn on_lines(one: [P; 2], other: [P; 2]) -> [P; 2] {
     let [s, t] = nearest_places(one, other);
     let at = |[from, to]: [P; 2], place: f64| axpy(place, sub(to, from), from);
     [at(one, s), at(other, t)]
 }
 
-/// Where along two segments they are nearest to each other, as shares of their lengths (Ericson, section
-/// 5.1.9).
+/// Parameters of the closest points of two segments, as shares of their lengths (Ericson, section 5.1.9).
 pub(super) fn nearest_places([p1, q1]: [P; 2], [p2, q2]: [P; 2]) -> [f64; 2] {
     let (d1, d2, r) = (sub(q1, p1), sub(q2, p2), sub(p1, p2));
     let (a, e, f) = (dot(d1, d1), dot(d2, d2), dot(d2, r));

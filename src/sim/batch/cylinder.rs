@@ -1,35 +1,35 @@
 //! The contact of a cylinder with a convex solid of the ground.
 //!
-//! The overlap along a direction is the sum of two support functions. Its least value lies along the normal
-//! of a face of the ground, of a cap, of an edge against the side or the rim, or of a corner against the
-//! side; each is tried.
+//! The overlap along a direction is the sum of two support functions. Its minimum is along the normal of a
+//! ground face, of a cap, of an edge against the side or the rim, or of a corner against the side; each is
+//! tried.
 
 use super::convex::{Hit, P, Polytope, Solid, add, axpy, cross, dot, on_lines, sub, times, unit};
 
-/// Directions across an edge that are tried before the best one is refined.
+/// Number of directions across an edge that are sampled before the best one is refined.
 const DIRECTIONS: usize = 24;
-/// Halvings of the interval around the best direction: to the last digits that a minimum has.
+/// Iterations of the golden-section search: until the minimum is exact up to rounding.
 const REFINEMENTS: usize = 40;
-/// The part of a golden section.
+/// Ratio of the golden section.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
-/// The sine below which a direction counts as the cylinder's axis.
+/// Sine below which a direction counts as parallel to the cylinder's axis.
 const ALONG: f64 = 1e-9;
 
-/// Heights closer than this are the same, in m.
+/// Heights closer than this are equal, in m.
 const SAME: f64 = 1e-9;
 
-/// What of the ground touches the cylinder, and so where the point of contact lies.
+/// The feature of the ground that touches the cylinder, which determines the point of contact.
 #[derive(Clone, Copy)]
 enum Feature {
-    /// A face, or an edge against the rim: at the deepest point of the cylinder.
+    /// A face, or an edge against the rim: the contact is at the deepest point of the cylinder.
     Cylinder,
-    /// A corner, or anything against a cap: at the highest point of the ground.
+    /// A corner, or anything against a cap: the contact is at the highest point of the ground.
     Corner,
-    /// An edge against the side: where it passes the axis.
+    /// An edge against the side: the contact is where the edge passes the axis.
     Side([P; 2]),
 }
 
-/// The overlaps that were tried, and the least of them.
+/// The directions tried so far, and the one with the least overlap.
 struct Search<'a> {
     solid: &'a Solid,
     ground: &'a Polytope,
@@ -42,7 +42,7 @@ impl Search<'_> {
         dot(self.ground.furthest(normal), normal) - dot(self.solid.centre, normal) + self.solid.reach(normal)
     }
 
-    /// Tries a direction; false if the two are apart along it.
+    /// Tries a direction; returns false if the two are separated along it.
     fn offer(&mut self, normal: Option<P>, feature: Feature) -> bool {
         let Some(normal) = normal else { return true };
         let depth = self.overlap(normal);
@@ -52,7 +52,7 @@ impl Search<'_> {
         depth > 0.0
     }
 
-    /// The best direction across an edge against the rim, beginning with that across the axis, too.
+    /// The best direction across an edge against the rim, including that orthogonal to the axis.
     fn across(&self, along: P, outwards: P) -> Option<P> {
         let other = cross(along, outwards);
         let at = |angle: f64| add(times(libm::cos(angle), outwards), times(libm::sin(angle), other));
@@ -73,7 +73,7 @@ impl Search<'_> {
     }
 }
 
-/// The contact of a cylinder, along the direction in which it and the ground overlap least.
+/// The contact of a cylinder, along the direction of least overlap with the ground.
 pub(super) fn meets(solid: &Solid, ground: &Polytope) -> Option<Hit> {
     let axis = solid.axes[2];
     let mut search = Search { solid, ground, least: None };
@@ -90,7 +90,7 @@ pub(super) fn meets(solid: &Solid, ground: &Polytope) -> Option<Hit> {
     for corner in ground.corners() {
         let from = sub(solid.centre, *corner);
         let side = axpy(-dot(from, axis), axis, from);
-        // Apart, a corner may be nearest to the rim or a cap.
+        // If the two are separated, a corner may be nearest to the rim or a cap.
         let nearest = sub(solid.nearest(*corner), *corner);
         if !search.offer(unit(side), Feature::Corner) || !search.offer(unit(nearest), Feature::Corner) {
             return None;
@@ -104,7 +104,7 @@ pub(super) fn meets(solid: &Solid, ground: &Polytope) -> Option<Hit> {
             if search.overlap(normal) <= 0.0 {
                 return None;
             }
-            // Parallel edges share their directions: the one that is furthest touches.
+            // Parallel edges share their directions; the outermost one touches.
             if dot(ground.furthest(normal), normal) <= dot(ends[0], normal) + SAME {
                 search.offer(Some(normal), Feature::Side(ends));
             }
@@ -127,14 +127,15 @@ pub(super) fn meets(solid: &Solid, ground: &Polytope) -> Option<Hit> {
 }
 
 impl Solid {
-    /// How far the cylinder reaches from its centre along a unit vector, in m.
+    /// Extent of the cylinder from its centre along a unit vector, in m.
     fn reach(&self, normal: P) -> f64 {
         let [radius, half, _] = self.size;
         let along = dot(self.axes[2], normal);
         half * along.abs() + radius * (1.0 - along * along).max(0.0).sqrt()
     }
 
-    /// The point of the cylinder that is furthest against a unit vector; the middle of a cap that faces it.
+    /// The point of the cylinder that is furthest against a unit vector; for a cap that faces it, the cap's
+    /// centre.
     fn lowest(&self, normal: P) -> P {
         let [radius, half, _] = self.size;
         let axis = self.axes[2];
@@ -145,7 +146,7 @@ impl Solid {
         if length < ALONG { end } else { axpy(-radius / length, across, end) }
     }
 
-    /// The point of the cylinder that is nearest to a point; the point itself within it.
+    /// The point of the cylinder that is nearest to a point; the point itself if it is inside.
     fn nearest(&self, point: P) -> P {
         let [radius, half, _] = self.size;
         let axis = self.axes[2];

@@ -2,7 +2,7 @@
 //!
 //! Generalised velocities are the angular and linear velocity of the base's origin in world axes, then the
 //! joints. Spatial quantities are (angular, linear) in world axes about the base's origin, so that those of
-//! different bodies add up as they are.
+//! different bodies can be added directly.
 
 use super::figures::{Figures, Topology};
 use super::lane::{Kernel, Lane};
@@ -11,7 +11,7 @@ use super::math::{
 };
 use super::work::{Motion, Work};
 
-/// Computes the mass matrix and the forces without constraints.
+/// Computes the mass matrix and the unconstrained forces.
 pub struct Smooth<'a, L: Lane> {
     pub topology: &'a Topology,
     pub figures: &'a Figures<L>,
@@ -29,7 +29,7 @@ impl<L: Lane> Kernel<L> for Smooth<'_, L> {
     }
 }
 
-/// Two axes after a turn about the third.
+/// Two axes after a rotation about the third.
 #[inline(always)]
 fn swung<L: Lane>(u: V3<L>, x: V3<L>, sine: L, cosine: L) -> [V3<L>; 2] {
     let mut both = [u, x];
@@ -40,13 +40,12 @@ fn swung<L: Lane>(u: V3<L>, x: V3<L>, sine: L, cosine: L) -> [V3<L>; 2] {
     both
 }
 
-/// From the base to the ends: places, velocities, and the forces that every body needs by itself.
+/// From the base to the ends: poses, velocities, and the force that each body needs on its own.
 #[inline(always)]
 fn forward<L: Lane>(topology: &Topology, figures: &Figures<L>, state: &Motion<L>, work: &mut Work<L>) {
     let r = rotation(state.orientation);
     let v = [state.rate, state.velocity];
-    // The acceleration that a free base would have by its velocity alone, with gravity as an upward
-    // acceleration.
+    // The acceleration of a free base due to its velocity alone, with gravity as an upward acceleration.
     let mut upward = cross(state.velocity, state.rate);
     upward[2] = upward[2] + figures.world[0].gravity;
     let a = [zero3(), upward];

@@ -1,4 +1,4 @@
-//! What worlds of one group share (the tree, the axes, the kinds of shapes) and the figures in which they may
+//! What the worlds of a group share (tree, axes, kinds of shapes), and the parameters in which they may
 //! differ.
 
 use super::lane::Lane;
@@ -8,32 +8,32 @@ use super::tree::Tree;
 
 /// Impedance of constraints at zero depth and at [`WIDTH`] (MuJoCo's default `solimp`).
 pub const IMPEDANCE: [f64; 2] = [0.9, 0.95];
-/// Depth in m (or rad) at which the impedance is full.
+/// Depth in m (or rad) at which the impedance reaches its full value.
 pub const WIDTH: f64 = 0.001;
 
 /// What all worlds of a group share.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Topology {
-    /// The tree, counted depth first.
+    /// The tree in depth-first order.
     pub tree: Tree,
-    /// The model's joint of each counted joint.
+    /// The model's joint for each joint of the tree.
     pub order: Vec<usize>,
-    /// The axis of its link's frame about which each joint turns.
+    /// Index of the coordinate axis of its link's frame about which each joint rotates.
     pub axis: Vec<usize>,
-    /// Whether a joint's frame is not turned against its parent's.
+    /// Whether a joint's frame has the orientation of its parent's.
     pub plain: Vec<bool>,
     /// The shapes, by body.
     pub shapes: Vec<ShapeOf>,
 }
 
-/// What worlds share of a shape.
+/// The part of a shape that worlds share.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShapeOf {
     /// Its body.
     pub body: usize,
-    /// Its kind; the size is a figure.
+    /// Its kind; the size is a parameter.
     pub kind: ShapeKind,
-    /// Whether it is not turned against its body.
+    /// Whether it has the orientation of its body.
     pub plain: bool,
     /// The foot that it belongs to.
     pub foot: Option<usize>,
@@ -59,10 +59,10 @@ impl ShapeKind {
     }
 }
 
-/// The figures of worlds, a lane each.
+/// The parameters of worlds, one lane each.
 #[derive(Clone, Debug)]
 pub struct Figures<L> {
-    /// Joints: place and turn against the parent's frame.
+    /// Joints: position and orientation in the parent's frame.
     pub place: Vec<V3<L>>,
     pub turn: Vec<Columns<L>>,
     pub armature: Vec<L>,
@@ -81,18 +81,18 @@ pub struct Figures<L> {
     pub mass: Vec<L>,
     /// MuJoCo's `body_invweight0`, translation.
     pub weight: Vec<L>,
-    /// Centre of a sphere around the body's shapes, and its radius.
+    /// Bounding sphere of the body's shapes: centre and radius.
     pub around: Vec<[L; 4]>,
     /// Shapes.
     pub shape_place: Vec<V3<L>>,
     pub shape_turn: Vec<Columns<L>>,
     pub shape_size: Vec<V3<L>>,
     pub shape_friction: Vec<L>,
-    /// One each.
+    /// Parameters per world.
     pub world: [World<L>; 1],
 }
 
-/// Figures that a world has once.
+/// Parameters per world.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct World<L> {
@@ -106,7 +106,7 @@ pub struct World<L> {
     pub row_k: L,
     /// Square of the gradient's norm below which the solver stops.
     pub small_gradient: L,
-    /// Decrement below which a step is the solver's last.
+    /// Newton decrement below which a step is the solver's last.
     pub small_decrement: L,
     /// 1 where any joint is damped.
     pub damped: L,
@@ -154,7 +154,7 @@ macro_rules! all_parts {
 }
 
 impl<L: Lane> Figures<L> {
-    /// Room for the worlds of a topology, all figures zero.
+    /// Storage for the worlds of a topology, all parameters zero.
     pub fn room(topology: &Topology) -> Self {
         let (joints, shapes) = (topology.tree.joints(), topology.shapes.len());
         let (z, bodies) = (L::zero(), joints + 1);
@@ -200,7 +200,7 @@ impl<L: Lane> Figures<L> {
         all_parts!(self, as_flattened_mut, numbers_mut, &mut)
     }
 
-    /// Writes the figures of one world into a lane.
+    /// Writes the parameters of one world into a lane.
     pub fn load(&mut self, lane: usize, from: &Figures<f64>) {
         for (own, from) in self.parts_mut().into_iter().zip(from.parts()) {
             let own = L::numbers_mut(own);

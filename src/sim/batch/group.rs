@@ -1,4 +1,4 @@
-//! Robots that are stepped together, one in each lane.
+//! Robots that are stepped together, one per lane.
 
 use std::sync::Arc;
 
@@ -14,9 +14,9 @@ use super::newton;
 use super::scratch::Scratch;
 use super::work::{Motion, Work};
 
-/// Joint speed in rad/s, and speed of the base in its units, beyond which a state is no physics any more.
+/// Joint speed in rad/s, and base speed in SI units, above which a state counts as diverged.
 const MAX_RATE: f64 = 1000.0;
-/// Distance in m from the origin beyond which a state is no physics any more.
+/// Distance in m from the origin above which a state counts as diverged.
 const MAX_DISTANCE: f64 = 1000.0;
 
 /// An instruction set.
@@ -59,8 +59,7 @@ impl Set {
     }
 }
 
-/// Robots of one topology on one ground. Lanes that hold no robot stand still in the air and cost nothing
-/// extra.
+/// Robots of one topology on one ground. Empty lanes hold a robot at rest in the air and cost nothing extra.
 pub trait Group: Send {
     /// Number of robots.
     fn lanes(&self) -> usize;
@@ -68,19 +67,19 @@ pub trait Group: Send {
     fn load(&mut self, lane: usize, compiled: &Compiled, state: &State);
     /// Sets the torques of a lane's next step in N m, in the model's joint order.
     fn apply(&mut self, lane: usize, torque: &[f64]);
-    /// Applies a force in N (world axes) at the base's centre of mass of a lane from now on.
+    /// Applies a force in N (world axes) at the base's centre of mass of a lane until it is changed.
     fn push(&mut self, lane: usize, force: [f64; 3]);
-    /// One physics step of every lane that was handed torques since the last call.
+    /// Advances by one physics step every lane whose torques were set since the last call.
     fn advance(&mut self);
     /// Writes the state of a lane.
     fn read(&self, lane: usize, state: &mut State);
     /// Contacts of a lane in the last step.
     fn contacts(&self, lane: usize) -> Contacts;
-    /// Whether every number of a lane's state is finite and within physical reason.
+    /// Whether every number of a lane's state is finite and within physical bounds.
     fn is_sane(&self, lane: usize) -> bool;
 }
 
-/// A group of robots for an instruction set, or `None` where the processor lacks it.
+/// A group of robots for an instruction set, or `None` if the processor lacks it.
 pub fn group(set: Set, compiled: &Compiled, ground: &Arc<Ground>) -> Option<Box<dyn Group>> {
     match set {
         Set::Scalar => Some(Box::new(Lanes::<f64>::new(compiled, ground))),
@@ -101,7 +100,7 @@ pub fn group(set: Set, compiled: &Compiled, ground: &Arc<Ground>) -> Option<Box<
 
 struct Lanes<L: Lane> {
     topology: Arc<Topology>,
-    /// The counted joint of each joint of the model.
+    /// The tree's joint for each joint of the model.
     counted: Vec<usize>,
     ground: Arc<Ground>,
     figures: Figures<L>,
@@ -226,8 +225,8 @@ impl<L: Lane> Group for Lanes<L> {
     }
 }
 
-/// Whether every number of the states is finite and within physical reason, as 1 or 0. A comparison with a
-/// number that is not one is false, so this also catches those.
+/// Whether every number of the states is finite and within physical bounds, as 1 or 0. Comparisons with NaN
+/// are false, so NaN is caught, too.
 #[inline(always)]
 fn sane<L: Lane>(motion: &Motion<L>) -> L {
     let mut sane = L::Mask::splat(true);
@@ -245,7 +244,7 @@ fn sane<L: Lane>(motion: &Motion<L>) -> L {
     L::keep(sane, L::splat(1.0))
 }
 
-/// Looks at the states again after one was written.
+/// Checks the states again after one was written.
 struct Look<'a, L>(&'a mut Motion<L>);
 
 impl<L: Lane> Kernel<L> for Look<'_, L> {
@@ -256,7 +255,7 @@ impl<L: Lane> Kernel<L> for Look<'_, L> {
     }
 }
 
-/// Semi-implicit Euler step, implicit in the damping of the joints as MuJoCo's.
+/// Semi-implicit Euler step, implicit in the joint damping as in MuJoCo.
 struct Integrate<'a, L: Lane> {
     topology: &'a Topology,
     figures: &'a Figures<L>,
@@ -313,14 +312,14 @@ impl<L: Lane> Kernel<L> for Integrate<'_, L> {
     }
 }
 
-/// The new number in the lanes that are stepped, the old one elsewhere. Zeros lose their sign, so that a
-/// lane's bits cannot depend on what was left out for want of neighbours.
+/// The new number in the lanes that are stepped, the old one elsewhere. Negative zeros become positive, so
+/// that a lane's bits cannot depend on operations that are skipped when its neighbours do not need them.
 #[inline(always)]
 fn stepped<L: Lane>(due: L::Mask, new: L, old: L) -> L {
     L::select(due, new + L::zero(), old)
 }
 
-/// An orientation after a time of turning at a rate in world axes.
+/// An orientation after rotating for a time at a rate in world axes.
 #[inline(always)]
 fn turned_on<L: Lane>([w, x, y, z]: [L; 4], rate: V3<L>, time: L) -> [L; 4] {
     let half = L::splat(0.5);

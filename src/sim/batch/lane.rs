@@ -1,4 +1,4 @@
-//! One number per environment: the arithmetic that every instruction set carries out to the same bits.
+//! One number per environment: arithmetic that gives the same bits under every instruction set.
 //!
 //! Only IEEE operations (+, -, *, /, square root, fused multiply-add), comparisons and selections. Nothing
 //! here adds up the lanes of a value, so a lane never depends on its neighbours.
@@ -9,21 +9,21 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub trait Mask: Copy + Send + Sync + 'static {
     /// The same value in every lane.
     fn splat(value: bool) -> Self;
-    /// Both.
+    /// Logical and.
     fn and(self, other: Self) -> Self;
-    /// Either.
+    /// Logical or.
     fn or(self, other: Self) -> Self;
-    /// The opposite.
+    /// Logical not.
     fn not(self) -> Self;
     /// Whether any lane is true.
     fn any(self) -> bool;
 }
 
-/// Code that runs under the instruction set of a lane type.
+/// Code that is compiled for the instruction set of a lane type.
 pub trait Kernel<L> {
-    /// What it gives.
+    /// Its result.
     type Out;
-    /// The code; must be `#[inline(always)]`, or it is compiled without the instruction set.
+    /// The code; must be `#[inline(always)]`, otherwise it is compiled without the instruction set.
     fn run(self) -> Self::Out;
 }
 
@@ -51,12 +51,12 @@ pub trait Lane:
     fn fnma(self, b: Self, c: Self) -> Self;
     /// Square root.
     fn sqrt(self) -> Self;
-    /// Roughly one over the square root of a positive normal number, within 3.5 %: half the exponent, taken
-    /// from the bits.
+    /// Approximate inverse square root of a positive normal number, within 3.5 %: half the exponent, computed
+    /// on the bits.
     fn rough_inverse_root(self) -> Self;
-    /// The smaller one; `other` where they are equal or one is not a number.
+    /// The smaller one; `other` if they are equal or one is NaN.
     fn min(self, other: Self) -> Self;
-    /// The larger one; `other` where they are equal or one is not a number.
+    /// The larger one; `other` if they are equal or one is NaN.
     fn max(self, other: Self) -> Self;
     /// Whether it is less.
     fn lt(self, other: Self) -> Self::Mask;
@@ -88,7 +88,7 @@ pub trait Lane:
         // SAFETY: every lane type has the layout of `[f64; LANES]` and at least its alignment.
         unsafe { std::slice::from_raw_parts(values.as_ptr().cast(), values.len() * Self::LANES) }
     }
-    /// The numbers of a slice of values, to write.
+    /// As [`Lane::numbers`], mutable.
     #[inline(always)]
     fn numbers_mut(values: &mut [Self]) -> &mut [f64] {
         // SAFETY: as above, and every bit pattern is a value.
@@ -96,8 +96,8 @@ pub trait Lane:
     }
 }
 
-/// What half the bits of a number are taken from to give those of its inverse root (Blinn; Lomont's constant
-/// for `f64`).
+/// Constant of the bit trick for the inverse square root (Blinn; Lomont's value for `f64`): half the bits are
+/// subtracted from it.
 const INVERSE_ROOT: u64 = 0x5fe6_eb50_c7b5_37a9;
 
 impl Mask for bool {
@@ -166,8 +166,8 @@ impl Lane for f64 {
     fn select(mask: bool, yes: Self, no: Self) -> Self {
         if mask { yes } else { no }
     }
-    /// Under AVX2 and FMA where the processor has them; without, every fused multiply-add is a call of the
-    /// standard library, to the same bits.
+    /// With AVX2 and FMA if the processor has them. Otherwise every fused multiply-add is a call of the
+    /// standard library, with the same bits.
     #[inline(always)]
     fn call<K: Kernel<Self>>(kernel: K) -> K::Out {
         #[cfg(target_arch = "x86_64")]
@@ -200,8 +200,8 @@ mod x86 {
         }
     }
 
-    // SAFETY of both: a value of a lane type is only ever made by `super::group::new`, which asks the
-    // processor first.
+    // SAFETY of both: values of a lane type are only made by `super::group::new`, which checks the processor
+    // first.
     #[inline(always)]
     fn v3() -> V3 {
         unsafe { V3::new_unchecked() }

@@ -1,10 +1,10 @@
-//! Vectors, rotations and spatial inertias in lanes, and a sine that is the same everywhere.
+//! Vectors, rotations and spatial inertias in lanes, and a sine with the same bits on all processors.
 
 use super::lane::{Lane, Mask};
 
 /// A vector of three.
 pub type V3<L> = [L; 3];
-/// A rotation by its columns.
+/// A rotation, by columns.
 pub type Columns<L> = [V3<L>; 3];
 
 #[inline(always)]
@@ -53,13 +53,13 @@ pub fn axpy<L: Lane>(s: L, a: V3<L>, b: V3<L>) -> V3<L> {
     [s.fma(a[0], b[0]), s.fma(a[1], b[1]), s.fma(a[2], b[2])]
 }
 
-/// A vector turned by a rotation.
+/// A vector rotated by a rotation.
 #[inline(always)]
 pub fn turned<L: Lane>(r: &Columns<L>, v: V3<L>) -> V3<L> {
     axpy(v[0], r[0], axpy(v[1], r[1], scaled(v[2], r[2])))
 }
 
-/// A rotation after another.
+/// The product of two rotations.
 #[inline(always)]
 pub fn composed<L: Lane>(r: &Columns<L>, s: &Columns<L>) -> Columns<L> {
     [turned(r, s[0]), turned(r, s[1]), turned(r, s[2])]
@@ -99,8 +99,8 @@ impl<L: Lane> Inertia<L> {
         Self { i: [L::zero(); 6], h: zero3(), m: L::zero() }
     }
 
-    /// Of a body whose frame has these columns: tensor about its centre of mass in its own axes, the centre
-    /// of mass relative to the point in world axes.
+    /// Inertia of a body whose frame has these columns, from the tensor about its centre of mass in its own
+    /// axes and the centre of mass relative to the point in world axes.
     #[inline(always)]
     pub fn of(r: &Columns<L>, tensor: &[L; 6], mass: L, c: V3<L>) -> Self {
         let t = tensor;
@@ -148,8 +148,8 @@ impl<L: Lane> Inertia<L> {
     }
 }
 
-/// One over the square root of a positive normal number, within 1e-11: two steps of Halley's iteration. A
-/// division and a square root take three times as long in 512 bits.
+/// Inverse square root of a positive normal number, within 1e-11: two steps of Halley's iteration. A division
+/// and a square root take three times as long in 512 bits.
 #[inline(always)]
 pub fn nearly_inverse_root<L: Lane>(x: L) -> L {
     let halley = |y: L| {
@@ -159,7 +159,7 @@ pub fn nearly_inverse_root<L: Lane>(x: L) -> L {
     halley(halley(x.rough_inverse_root()))
 }
 
-/// One over the square root of a positive normal number, within two units in the last place.
+/// Inverse square root of a positive normal number, within two units in the last place.
 #[inline(always)]
 pub fn inverse_root<L: Lane>(x: L) -> L {
     let y = nearly_inverse_root(x);
@@ -172,7 +172,7 @@ pub fn inverse_root<L: Lane>(x: L) -> L {
 #[inline(always)]
 pub fn sin_cos<L: Lane>(x: L) -> (L, L) {
     let s = L::splat;
-    // Adding and taking off 1.5 * 2^52 rounds to the nearest integer, ties to even.
+    // Adding and subtracting 1.5 * 2^52 rounds to the nearest integer, ties to even.
     let magic = s(6_755_399_441_055_744.0);
     let round = |y: L| (y + magic) - magic;
     let n = round(x * s(std::f64::consts::FRAC_2_PI));

@@ -1,10 +1,10 @@
 //! The batch engine: MuJoCo's constraint model in Rust, `f64`, with one environment in each lane of a SIMD
 //! value.
 //!
-//! A robot is a tree of revolute joints under a floating base; its shapes meet planes, boxes and height
-//! fields, never each other. The same robot in the same state moves to the same bits under every instruction
-//! set, in every lane, whatever the other lanes hold: only IEEE operations and fused multiply-adds in one
-//! order, nothing across lanes.
+//! A robot is a tree of revolute joints under a floating base; its shapes collide with planes, boxes and
+//! height fields, but not with each other. The same robot in the same state gives the same bits under every
+//! instruction set and in every lane, whatever the other lanes hold: all instruction sets use the same IEEE
+//! operations and fused multiply-adds in the same order, and none across lanes.
 
 mod compile;
 mod constraint;
@@ -45,10 +45,9 @@ pub const REVISION: u32 = 2;
 /// The batch engine.
 #[derive(Debug, Default)]
 pub struct Batch {
-    /// The ground that was built last: worlds on equal terrain share it.
+    /// The last ground that was built; worlds on equal terrain share it.
     last: Mutex<Option<(Terrain, Arc<Ground>)>>,
-    /// The only instruction set that is used, to measure it; without, the one that suits the number of
-    /// worlds.
+    /// The only instruction set to use, for benchmarks; `None` selects one by the number of worlds.
     only: Option<Set>,
 }
 
@@ -65,7 +64,7 @@ impl Batch {
         }
     }
 
-    /// The engine under one instruction set, where the processor has it. Its numbers do not depend on the
+    /// The engine with one instruction set, or `None` if the processor lacks it. Results do not depend on the
     /// set.
     pub fn under(set: Set) -> Option<Self> {
         Set::available().contains(&set).then(|| Self { only: Some(set), ..Self::default() })
@@ -85,7 +84,7 @@ fn compiled(robot: &Robot, settings: &EngineSettings) -> Result<Compiled, Engine
     Ok(Compiled::new(&translate::model(robot, settings.friction)?, &translate::settings(settings)))
 }
 
-/// Inverse weights as MuJoCo has them in the zero pose: of each joint (`dof_invweight0`) and, for
+/// Inverse weights as MuJoCo defines them in the zero pose: of each joint (`dof_invweight0`) and, for
 /// translation, of the base and each link (`body_invweight0`).
 pub fn inverse_weights(robot: &Robot) -> Result<(Vec<f64>, Vec<f64>), EngineError> {
     let settings = EngineSettings { step: 0.002, friction: 1.0, contact_time: None };
@@ -120,7 +119,7 @@ impl Engine for Batch {
 
     fn worlds(&self, count: usize) -> Option<Box<dyn Worlds>> {
         let sets = self.only.map_or_else(Set::available, |set| vec![set]);
-        // The narrowest that takes all of them, or the widest there is.
+        // The narrowest set that takes all worlds, or the widest available one.
         let set =
             sets.iter().find(|set| set.lanes() >= count).or(sets.last()).copied().unwrap_or(Set::Scalar);
         Some(Self::slots(set, count))

@@ -1,5 +1,5 @@
-//! What a world consists of, in plain numbers: bodies, joints, shapes, ground. SI units, rotations as
-//! matrices by rows, world frame z up.
+//! Contents of a world in plain numbers: bodies, joints, shapes, ground. SI units, rotation matrices by rows,
+//! world frame z up.
 
 /// A rotation matrix by rows.
 pub type Rows = [[f64; 3]; 3];
@@ -25,7 +25,7 @@ pub struct Body {
     pub com: [f64; 3],
     /// Inertia about the centre of mass, axes of the body frame: xx, yy, zz, xy, xz, yz in kg m^2.
     pub inertia: [f64; 6],
-    /// Shapes that meet the ground.
+    /// Shapes that collide with the ground.
     pub shapes: Vec<Shape>,
 }
 
@@ -61,9 +61,9 @@ pub struct Shape {
     pub place: [f64; 3],
     /// Its orientation.
     pub turn: Rows,
-    /// Friction coefficient between it and the ground.
+    /// Friction coefficient against the ground.
     pub friction: f64,
-    /// The foot whose force it adds to; `None` counts as a touch of the body.
+    /// The foot whose contact force it adds to; `None` counts as contact of the body.
     pub foot: Option<usize>,
 }
 
@@ -81,7 +81,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Three numbers that tell its size.
+    /// Three numbers that describe its size.
     pub(crate) fn size(&self) -> [f64; 3] {
         match *self {
             Self::Box(half) => half,
@@ -90,7 +90,7 @@ impl Kind {
         }
     }
 
-    /// Radius of the sphere around it in m.
+    /// Radius of its bounding sphere in m.
     pub(crate) fn radius(&self) -> f64 {
         match *self {
             Self::Box([x, y, z]) => (x * x + y * y + z * z).sqrt(),
@@ -101,7 +101,7 @@ impl Kind {
     }
 }
 
-/// The ground: everything of it is solid.
+/// The ground, all of it solid.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ground {
     /// Planes.
@@ -115,13 +115,13 @@ pub struct Ground {
 /// A half space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
-    /// A point of its surface in m.
+    /// A point on its surface in m.
     pub point: [f64; 3],
-    /// Its unit normal, out of the ground.
+    /// Its unit normal, pointing out of the ground.
     pub normal: [f64; 3],
 }
 
-/// A box whose sides are along the axes of the world.
+/// A box with sides along the world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block {
     /// Its centre in m.
@@ -130,8 +130,8 @@ pub struct Block {
     pub half: [f64; 3],
 }
 
-/// Heights over a grid centred on the origin. A cell is two triangles, divided from its low to its high
-/// corner.
+/// Heights over a grid centred on the origin. Each cell is two triangles, split along the diagonal from its
+/// low to its high corner.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
     pub(crate) cell: f64,
@@ -142,8 +142,8 @@ pub struct Field {
 }
 
 impl Field {
-    /// Cells of this side in m, with this number of samples along x and y (two at least), their heights in m
-    /// (x outer, y inner), solid down to a height in m.
+    /// A field with cells of this side in m, these numbers of samples along x and y (at least two), heights
+    /// in m (x outer, y inner), solid down to a height in m.
     pub fn new(cell: f64, counts: [usize; 2], heights: Vec<f64>, bottom: f64) -> Self {
         assert!(
             counts.iter().all(|count| *count > 1) && heights.len() == counts[0] * counts[1],
@@ -171,6 +171,6 @@ pub struct Settings {
     pub step: f64,
     /// Gravity in m/s^2, downwards.
     pub gravity: f64,
-    /// Time constant of contacts in s; never less than two steps, as in MuJoCo (`refsafe`).
+    /// Time constant of contacts in s; raised to two steps if smaller, as in MuJoCo (`refsafe`).
     pub contact_time: f64,
 }

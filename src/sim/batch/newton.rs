@@ -1,10 +1,9 @@
-//! MuJoCo's constraint problem, solved as MuJoCo does: Newton's method on the primal with an exact line
-//! search.
+//! MuJoCo's constraint problem and its solution: Newton's method on the primal with an exact line search.
 //!
 //! Accelerations minimise 1/2 (x - x0)' M (x - x0) + s(J x - a), with x0 the acceleration without constraints
 //! and s quadratic, linear or conic by row. The stiffness J' s'' J of a body's contacts is a 6 x 6 matrix of
 //! that body, so the Hessian has the sparsity of M, and a step costs about one factorisation. Every lane
-//! stops by its own figures and does not change while others go on.
+//! stops by its own criteria and does not change while others continue.
 
 use super::constraint::Contact;
 use super::contact::impedance;
@@ -16,16 +15,16 @@ use super::stiffness::Stiffness;
 use super::tree::{Limb, Matrix, Tree, block, block_mut, by_length};
 use super::work::{Motion, Work};
 
-/// Newton steps at most, as in the MuJoCo model.
+/// Largest number of Newton steps, as in the MuJoCo model.
 const STEPS: usize = 50;
-/// Evaluations of a line search at most.
+/// Largest number of evaluations of a line search.
 const EVALUATIONS: usize = 24;
 /// A line search ends where the slope has fallen to this share.
 const FLATTER: f64 = 0.1;
-/// Square in (m/s^2)^2 that keeps the length of a tangential gap from zero.
+/// Square in (m/s^2)^2 that keeps the length of a tangential gap above zero.
 const TINY: f64 = 1e-20;
 
-/// Finds the accelerations of a step and the forces that they come of.
+/// Computes the accelerations of a step and the forces that cause them.
 pub struct Solve<'a, L: Lane> {
     pub topology: &'a Topology,
     pub figures: &'a Figures<L>,
@@ -109,7 +108,7 @@ impl<L: Lane> Kernel<L> for Solve<'_, L> {
     }
 }
 
-/// The rows of the joints: friction, and limits where any lane is beyond one; notes whether any is.
+/// Computes the rows of the joints: friction, and limits if any lane is beyond one; records whether any is.
 #[inline(always)]
 fn rows<L: Lane>(figures: &Figures<L>, state: &Motion<L>, solver: &mut Scratch<L>) {
     let (zero, one, world) = (L::zero(), L::splat(1.0), &figures.world[0]);
@@ -138,7 +137,7 @@ fn rows<L: Lane>(figures: &Figures<L>, state: &Motion<L>, solver: &mut Scratch<L
     }
 }
 
-/// Finds the bodies that carry contacts, their own or those of bodies below them.
+/// Finds the bodies with contacts, their own or those of their descendants.
 #[inline(always)]
 fn carry<L: Lane>(topology: &Topology, contacts: &[Contact<L>], solver: &mut Scratch<L>) {
     solver.carries.fill(false);
@@ -152,7 +151,7 @@ fn carry<L: Lane>(topology: &Topology, contacts: &[Contact<L>], solver: &mut Scr
     }
 }
 
-/// Spatial accelerations of the bodies that carry contacts, for accelerations x of the tree.
+/// Spatial accelerations of the bodies with contacts, for accelerations x of the tree.
 #[inline(always)]
 fn motions<L: Lane>(
     topology: &Topology,
@@ -171,7 +170,7 @@ fn motions<L: Lane>(
     }
 }
 
-/// Forces of the constraints, and the gradient that they leave.
+/// Forces of the constraints, and the remaining gradient.
 #[inline(always)]
 fn gradient<L: Lane>(
     topology: &Topology,
@@ -230,8 +229,8 @@ fn gradient<L: Lane>(
     }
 }
 
-/// The force of a contact by its gap: none above the cone, along its normal line in the middle, linear at the
-/// bottom.
+/// The force of a contact for its gap: zero above the cone, along the cone's normal in the middle, linear at
+/// the bottom.
 #[inline(always)]
 fn cone<L: Lane>(contact: &mut Contact<L>) {
     let (mu, n, gap) = (contact.friction, contact.n, contact.gap);
@@ -269,7 +268,7 @@ fn hessian<L: Lane>(
     contacts: &[Contact<L>],
     solver: &mut Scratch<L>,
 ) {
-    // A body without contacts of its own stands for the first one below it that has some.
+    // A body without contacts of its own uses those of its first descendant that has some.
     solver.source.fill(NONE);
     for contacts in contacts.chunk_by(|a, b| a.body == b.body) {
         let (body, mut stiffness) = (contacts[0].body, Stiffness::zero());
@@ -356,7 +355,7 @@ fn hessian_limb<L: Lane, const N: usize>(
     }
 }
 
-/// What a moment and a force do along an axis.
+/// Projection of a moment and a force onto an axis.
 #[inline(always)]
 fn along<L: Lane>(axis: &[L; 6], moment: V3<L>, force: V3<L>) -> L {
     let [turn, slide] = parts(axis);
@@ -399,7 +398,7 @@ fn search<L: Lane>(
         let middle = L::select(high.lt(L::splat(1e9)), L::splat(0.5) * (low + high), low + low);
         length = L::select(open, L::select(outside, middle, next), length);
     }
-    // Out of evaluations: the end of the bracket towards which the cost falls.
+    // No evaluations are left: take the end of the bracket towards which the cost decreases.
     L::select(open.and(zero.lt(low)), low, length)
 }
 
@@ -458,7 +457,7 @@ fn slopes<L: Lane>(
     (first, second)
 }
 
-/// Takes the step in the lanes that are live.
+/// Takes the step in the active lanes.
 #[inline(always)]
 fn advance<L: Lane>(contacts: &mut [Contact<L>], solver: &mut Scratch<L>, live: L::Mask, length: L) {
     let step = |from: &mut L, along: L| *from = L::select(live, length.fma(along, *from), *from);

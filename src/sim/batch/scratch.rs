@@ -1,4 +1,4 @@
-//! The solver's own numbers.
+//! Temporary values of the solver.
 
 use super::figures::Topology;
 use super::lane::Lane;
@@ -6,10 +6,10 @@ use super::math::{V3, zero3};
 use super::stiffness::Stiffness;
 use super::tree::Matrix;
 
-/// What the solver computes in a step.
+/// Values that the solver computes in a step.
 pub struct Scratch<L> {
     pub acceleration: Vec<L>,
-    /// Of the contacts: force on each foot, and 1 where a shape of no foot is in the ground.
+    /// Contacts: force on each foot, and 1 where a shape of another body is in the ground.
     pub foot_force: [V3<L>; 2],
     pub body_touch: L,
     /// M times the acceleration, and the gradient.
@@ -17,16 +17,17 @@ pub struct Scratch<L> {
     pub(super) gradient: Vec<L>,
     pub(super) search: Vec<L>,
     pub(super) inertial_search: Vec<L>,
-    /// Forces with those of the constraints.
+    /// Forces including those of the constraints.
     pub total: Vec<L>,
     pub hessian: Matrix<L>,
-    /// Joints: gap of the friction row, limit's direction, 1/R and reference, second derivative of both rows.
+    /// Joints: gap of the friction row, the limit's direction, 1/R and reference, second derivative of both
+    /// rows.
     pub(super) friction_gap: Vec<L>,
     pub(super) limit_sign: Vec<L>,
     pub(super) limit_d: Vec<L>,
     pub(super) limit_reference: Vec<L>,
     pub(super) diagonal: Vec<L>,
-    /// Bodies: wrench of the contacts, spatial stiffness, which body's stiffness stands for this one's
+    /// Bodies: wrench of the contacts, spatial stiffness, and the body whose stiffness represents this one's
     /// subtree.
     pub(super) wrench: Vec<[V3<L>; 2]>,
     pub(super) stiffness: Vec<Stiffness<L>>,
@@ -34,7 +35,7 @@ pub struct Scratch<L> {
     pub(super) motion: Vec<[V3<L>; 2]>,
     /// Whether any lane is beyond a limit.
     pub(super) limited: bool,
-    /// Whether a body, or one below it, touches the ground.
+    /// Whether a body or one of its descendants touches the ground.
     pub(super) carries: Vec<bool>,
 }
 

@@ -1,4 +1,4 @@
-//! Slots of worlds, as many as are asked for, in groups that the instruction set can step at once.
+//! Any number of world slots, in groups that the instruction set can step at once.
 
 use std::sync::Arc;
 
@@ -11,17 +11,17 @@ use super::model::Ground;
 use super::{Batch, compiled, refused};
 use crate::robot::Robot;
 
-/// Slots in groups. Worlds share a group whose robots have one tree and one set of shapes, on one ground; a
-/// slot that is given another robot moves to another group.
+/// Slots in groups. Worlds share a group if their robots have the same tree and the same shapes, on the same
+/// ground; a slot that receives another robot moves to another group.
 pub(super) struct Slots {
     engine: Batch,
     set: Set,
     halls: Vec<Hall>,
-    /// Hall and lane of each slot.
+    /// Group and lane of each slot.
     places: Vec<Option<(usize, usize)>>,
 }
 
-/// A group and who is in it.
+/// A group and its occupied lanes.
 struct Hall {
     group: Box<dyn Group>,
     model: Compiled,
@@ -41,12 +41,12 @@ impl Hall {
 }
 
 impl Slots {
-    /// This many slots, in the lanes of this instruction set.
+    /// `count` slots, in the lanes of this instruction set.
     pub fn new(set: Set, count: usize) -> Self {
         Self { engine: Batch::default(), set, halls: Vec::new(), places: vec![None; count] }
     }
 
-    /// A lane for a world: its own if it fits, or a free one, or one of a new group.
+    /// A lane for a world: its current one if it fits, otherwise a free one, otherwise one of a new group.
     fn lane(
         &mut self,
         old: Option<(usize, usize)>,

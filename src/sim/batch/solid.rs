@@ -1,12 +1,12 @@
-//! Contacts of one shape of one robot with boxes and height fields, in plain numbers.
+//! Contacts of one shape of one robot with boxes and height fields.
 //!
 //! A height field is a prism below each of its triangles, as in MuJoCo. Each prism has one contact with a
-//! shape, along the direction in which the two overlap least; a box has all corners of the overlap of the
-//! faces that meet.
+//! shape, along the direction in which the two overlap least; a box has contacts at all corners of the
+//! overlap of the touching faces.
 //!
 //! MuJoCo 3.14 to 3.17 finds the same contacts with a field only if the geoms have a margin. Without one, its
-//! search for the least overlap of a box and a prism stops early: it takes a new corner of the box for one
-//! that it has already seen, because the prism's corners carry no number (`mjc_prism_support`,
+//! search for the least overlap of a box and a prism stops early: it mistakes a new corner of the box for one
+//! that it has already visited, because the prism's corners have no index (`mjc_prism_support`,
 //! `engine_collision_convex.c`).
 
 use super::convex::{
@@ -16,14 +16,14 @@ use super::cylinder;
 use super::figures::ShapeKind;
 use super::model::{Block, Field, Ground};
 
-/// Cosine of the angle within which an edge has the direction of a face, and the share of the depth within
-/// which it is no better.
+/// Cosine of the angle within which an edge's direction counts as that of a face, and the share of the depth
+/// within which it does not count as better.
 const ALIKE: f64 = 0.99;
 const HARDLY: f64 = 0.05;
-/// By how much an edge must be better than a face to be taken, in m: equal ones are rounding.
+/// Margin in m by which an edge must be better than a face to be chosen; smaller differences are rounding.
 const HAIR: f64 = 1e-10;
 
-/// Whether a sphere may touch a box or the field.
+/// Whether a sphere may touch a box or the field (broad phase).
 pub fn near(ground: &Ground, centre: P, radius: f64) -> bool {
     let block = |block: &Block| {
         let beyond: P =
@@ -47,7 +47,7 @@ pub fn collide(solid: &Solid, ground: &Ground, hits: &mut Vec<Hit>) {
     }
 }
 
-/// How many contacts a pair has.
+/// Number of contacts of a pair.
 #[derive(Clone, Copy, PartialEq)]
 enum Manifold {
     /// The deepest one.
@@ -80,7 +80,7 @@ fn prisms(solid: &Solid, field: &Field, hits: &mut Vec<Hit>) {
 }
 
 impl Field {
-    /// The triangle of a cell in which y runs ahead of x, or the other one, counter-clockwise from above.
+    /// The triangle of a cell in which y is ahead of x, or the other one, counter-clockwise from above.
     fn triangle(&self, row: usize, column: usize, upper: bool) -> [P; 3] {
         let half = self.half();
         let at = |row: usize, column: usize| {
@@ -93,7 +93,7 @@ impl Field {
 }
 
 impl Solid {
-    /// Half its extent along an axis of the world.
+    /// Half its extent along a world axis.
     fn extent(&self, axis: usize) -> f64 {
         let [x, y, z] = self.axes.map(|column| column[axis].abs());
         match self.kind {
@@ -114,7 +114,7 @@ fn meet(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mut Vec<Hit
     }
 }
 
-/// A sphere: along the line from the nearest point of the surface.
+/// A sphere: the contact is along the line from the nearest point of the surface.
 fn ball_meets(centre: P, radius: f64, ground: &Polytope) -> Option<Hit> {
     let nearest = ground.nearest(centre);
     let apart = sub(centre, nearest);
@@ -129,8 +129,9 @@ fn ball_meets(centre: P, radius: f64, ground: &Polytope) -> Option<Hit> {
     Some(Hit { point: add(nearest, times(0.5 * distance, normal)), normal, distance })
 }
 
-/// A capsule: the point of its middle line that is nearest to the ground; with a face manifold the other end
-/// too. A line that is in the ground leaves it along the direction of least overlap.
+/// A capsule: the contact is at the point of its centre line that is nearest to the ground; with a face
+/// manifold also at the other end. A line that is in the ground leaves it along the direction of least
+/// overlap.
 fn capsule_meets(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mut Vec<Hit>) {
     let [radius, half, _] = solid.size;
     let along = times(half, solid.axes[2]);
@@ -158,7 +159,7 @@ fn capsule_meets(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mu
         for (place, end) in [1.0, -1.0].into_iter().zip(ends) {
             offer(place, ball_meets(end, radius, ground));
         }
-        // Between the ends: where the line passes an edge.
+        // Between the ends: where the line crosses an edge.
         for [from, to] in ground.edges() {
             let (from, to) = (ground.corners[*from], ground.corners[*to]);
             let place = nearest_places([ends[1], ends[0]], [from, to])[0];
@@ -176,7 +177,7 @@ fn capsule_meets(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mu
     }
 }
 
-/// What two solids overlap along.
+/// The features that define the direction of an overlap.
 #[derive(Clone, Copy)]
 enum Feature {
     /// A face of the ground.
@@ -187,7 +188,7 @@ enum Feature {
     Edges(usize, usize),
 }
 
-/// The least overlap of two solids: how deep, along which normal out of the ground, between what.
+/// The least overlap of two solids: depth, normal out of the ground, and features.
 #[derive(Clone, Copy)]
 struct Overlap {
     depth: f64,
@@ -195,9 +196,8 @@ struct Overlap {
     feature: Feature,
 }
 
-/// The least overlap of a box with the ground (the separating axis theorem) and the least one along the
-/// normal of a face; `None` if they are apart. A box without extent along some of its axes is a line or a
-/// plate.
+/// The least overlap of a box with the ground (separating axis theorem) and the least one along a face
+/// normal; `None` if they are separated. A box without extent along some of its axes is a line or a plate.
 fn least_overlaps(solid: &Solid, arms: [P; 3], ground: &Polytope) -> Option<[Overlap; 2]> {
     let overlap = |normal: P| {
         let reach: f64 = arms.iter().map(|arm| dot(*arm, normal).abs()).sum();
@@ -246,12 +246,12 @@ fn least_overlaps(solid: &Solid, arms: [P; 3], ground: &Polytope) -> Option<[Ove
     Some([best, face])
 }
 
-/// A box: along the direction of least overlap.
+/// A box: the contact is along the direction of least overlap.
 fn box_meets(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mut Vec<Hit>) {
     let arms: [P; 3] = std::array::from_fn(|axis| times(solid.size[axis], solid.axes[axis]));
     let Some([best, face]) = least_overlaps(solid, arms, ground) else { return };
-    // Like MuJoCo's boxes: a face has several points, so it is taken if an edge along nearly the same
-    // direction is hardly better (`mjc_BoxBox`, `engine_collision_box.c`).
+    // Like MuJoCo's boxes: a face has several points, so it is preferred if an edge along nearly the same
+    // direction is only slightly better (`mjc_BoxBox`, `engine_collision_box.c`).
     let is_face = manifold == Manifold::Face
         && dot(best.normal, face.normal) > ALIKE
         && best.depth > (1.0 - HARDLY) * face.depth;
@@ -300,7 +300,7 @@ fn box_meets(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mut Ve
                 Feature::Ground(_) => middle(lowest(3), 1.0),
                 _ => middle(ground.furthest(normal), -1.0),
             };
-            // A face on a face has no deepest point: the middle of what they share stands for it.
+            // Two touching faces have no deepest point: the middle of their overlap is used.
             let corners: Vec<P> =
                 top.corners[..top.count].iter().map(|corner| ground.corners[*corner]).collect();
             let mut shared = Vec::new();
@@ -314,7 +314,7 @@ fn box_meets(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mut Ve
     }
 }
 
-/// The face of a box that looks against a direction most.
+/// The face of a box whose normal is most opposed to a direction.
 fn own_face(solid: &Solid, arms: &[P; 3], normal: P) -> Vec<P> {
     let against = |axis: usize| dot(solid.axes[axis], normal).abs();
     let axis = (1..3).fold(0, |best, axis| if against(axis) > against(best) { axis } else { best });
@@ -326,9 +326,8 @@ fn own_face(solid: &Solid, arms: &[P; 3], normal: P) -> Vec<P> {
         .to_vec()
 }
 
-/// Contacts at the corners of what a face covers of another, clipped by its sides (Sutherland and Hodgman
-/// 1974). The reference face belongs to the ground (`side` 1) or to the box (-1); the normal is out of the
-/// ground.
+/// Contacts at the corners of one face clipped by the sides of another (Sutherland and Hodgman 1974). The
+/// reference face belongs to the ground (`side` 1) or to the box (-1); the normal points out of the ground.
 fn overlap_of_faces(reference: &[P], normal: P, incident: &[P], side: f64, hits: &mut Vec<Hit>) {
     let middle =
         times(1.0 / reference.len() as f64, reference.iter().fold([0.0; 3], |sum, corner| add(sum, *corner)));
@@ -412,7 +411,7 @@ mod tests {
     fn a_flat_field_carries_a_box_corner_by_corner() {
         let field = Field::new(0.1, [5, 5], vec![0.2; 25], -0.1);
         let ground = Ground { field: Some(field), ..Ground::default() };
-        // The sole is turned a little so that each prism has a lowest corner.
+        // The sole is tilted slightly so that each prism has a lowest corner.
         let found = hits(&upright(ShapeKind::Box, [0.01, 0.02, 0.24], [0.04, 0.03, 0.05]), &ground);
         assert!(!found.is_empty());
         for hit in &found {
@@ -427,7 +426,7 @@ mod tests {
     }
 }
 
-/// Against MuJoCo: a free shape over a height field, pose by pose.
+/// Comparison with MuJoCo: a free shape over a height field, in random poses.
 #[cfg(all(test, feature = "mujoco"))]
 mod against_mujoco {
     use mujoco_rs::prelude::{MjData, MjModel};
@@ -441,7 +440,7 @@ mod against_mujoco {
         (0..25).map(|_| 0.05 * f64::from((stream.uniform() * 64.0) as u32) / 64.0).collect()
     }
 
-    /// MuJoCo's height field of these heights.
+    /// MuJoCo's height field with these heights.
     fn field(heights: &[f64], margin: f64) -> String {
         let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
         let high = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -458,10 +457,10 @@ mod against_mujoco {
         )
     }
 
-    /// A kind of shape, MuJoCo's name of it, its size.
+    /// A kind of shape, MuJoCo's name for it, its size.
     type Probe = (ShapeKind, &'static str, P);
 
-    /// Contacts of random poses, and how many of MuJoCo's are among ours.
+    /// Contacts in random poses, and how many of MuJoCo's are found.
     fn compared((kind, name, size): Probe, world: &str, ground: &Ground, poses: usize) -> [usize; 2] {
         let text = format!(
             "{world}<body><freejoint/><geom type=\"{name}\" size=\"{} {} {}\"/></body></worldbody></mujoco>",
@@ -486,7 +485,7 @@ mod against_mujoco {
             // The normal points from the first geom of the pair to the second.
             let out = if data.contact().iter().any(|contact| contact.geom[0] == 0) { 1.0 } else { -1.0 };
             for contact in data.contact().iter().filter(|contact| contact.dist < -1e-6) {
-                // MuJoCo's direction along which a round shape overlaps least is exact to the root of its
+                // MuJoCo's direction of least overlap for a round shape is exact to the square root of its
                 // tolerance.
                 let near = |hit: &Hit| {
                     (hit.distance - contact.dist).abs() < 1e-7
@@ -524,7 +523,8 @@ mod against_mujoco {
         }
     }
 
-    /// When this fails, MuJoCo is mended: the margin of the other tests and the page's words on it can go.
+    /// When this fails, MuJoCo has fixed its bug: remove the margin of the other tests and the note in
+    /// docs/explanation/batch_engine.md.
     #[test]
     fn without_a_margin_mujoco_stops_early() {
         let [all, same] = on_a_field(BOX, 0.0);
@@ -537,7 +537,7 @@ mod against_mujoco {
                      <geom type=\"box\" size=\"0.03 4 0.02\" pos=\"0.02 0 0.02\" margin=\"1e-9\"/>";
         let block = Block { centre: [0.02, 0.0, 0.02], half: [0.03, 4.0, 0.02] };
         let ground = Ground { boxes: vec![block], ..Ground::default() };
-        // Capsules and cylinders have more contacts there, which MuJoCo chooses by rules of its own.
+        // Capsules and cylinders have more contacts there, which MuJoCo selects by its own rules.
         for probe in [BOX, OTHERS[0]] {
             let [all, same] = compared(probe, world, &ground, 300);
             assert!(all > 200 && same * 100 >= all * 99, "{}: {same} of {all} contacts", probe.1);

@@ -33,7 +33,7 @@ impl<L: Lane> Stiffness<L> {
         }
     }
 
-    /// Moment and force that a motion meets.
+    /// Moment and force for a motion.
     #[inline(always)]
     pub fn times(&self, turn: V3<L>, slide: V3<L>) -> [V3<L>; 2] {
         let [a, b, c] = self.mixed;
@@ -41,7 +41,7 @@ impl<L: Lane> Stiffness<L> {
         [moment, add([dot(a, turn), dot(b, turn), dot(c, turn)], symmetric(&self.slide, slide))]
     }
 
-    /// Adds that of a contact.
+    /// Adds the stiffness of a contact.
     #[inline(always)]
     pub fn touch(&mut self, contact: &Contact<L>) {
         let (n, p, along) = (contact.n, contact.p, contact.along);

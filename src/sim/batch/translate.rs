@@ -1,4 +1,4 @@
-//! A robot and its terrain in the plain numbers of the dynamics.
+//! Converts a robot and its terrain into the plain numbers of the dynamics.
 
 use nalgebra::{Isometry3, Matrix3};
 
@@ -10,14 +10,14 @@ use super::refused;
 use crate::robot::model::Body;
 use crate::robot::{Foot, GRAVITY, Robot, Shape};
 
-/// The time constant of contacts in s where nothing else is said, as in the MuJoCo engine.
+/// Default time constant of contacts in s, as in the MuJoCo engine.
 const CONTACT_TIME: f64 = 0.02;
-/// Height below its lowest point to which a height field is solid, in m, as in the MuJoCo engine.
+/// Depth of a height field's solid below its lowest point, in m, as in the MuJoCo engine.
 const FIELD_BASE: f64 = 0.1;
 /// The smallest mass in kg and moment of inertia in kg m^2.
 const SMALLEST: f64 = 1e-15;
 
-/// The robot on ground of this friction coefficient.
+/// The robot on ground with this friction coefficient.
 pub(super) fn model(robot: &Robot, friction: f64) -> Result<model::Model, EngineError> {
     if !friction.is_finite() {
         return Err(refused("the friction of the ground is not a number"));
@@ -57,7 +57,7 @@ fn rows(pose: &Isometry3<f64>) -> model::Rows {
     std::array::from_fn(|i| std::array::from_fn(|j| turn[(i, j)]))
 }
 
-/// A body, if a solid can have its mass properties.
+/// A body, if its mass properties are physically possible.
 fn body(body: &Body, shapes: Vec<model::Shape>) -> Result<model::Body, EngineError> {
     let i = &body.inertia;
     if !i.iter().chain(body.com.iter()).all(|figure| figure.is_finite()) {
@@ -65,10 +65,10 @@ fn body(body: &Body, shapes: Vec<model::Shape>) -> Result<model::Body, EngineErr
     }
     let mut moments: Vec<f64> = Matrix3::symmetric_eigenvalues(i).iter().copied().collect();
     moments.sort_by(f64::total_cmp);
-    // Comparisons with a number that is not one are false.
+    // Comparisons with NaN are false.
     let is_possible = body.mass >= SMALLEST
         && moments[0] >= SMALLEST
-        // A thin plate, the border case, may miss it by its last digits.
+        // A thin plate, the limiting case, may violate it by rounding.
         && (moments[0] + moments[1]) * (1.0 + 1e-9) >= moments[2];
     if !is_possible {
         return Err(refused(format!(

@@ -1,4 +1,4 @@
-//! The tree of joints, and symmetric matrices that are zero where its branches do not meet.
+//! The tree of joints, and symmetric matrices with zeros between its branches.
 //!
 //! Joints are counted depth first. A *limb* is a run of joints without a branch, at most [`LONGEST`] of them;
 //! every row of a matrix has entries for the base (6), for the joints above its limb, and for its own limb.
@@ -13,7 +13,7 @@ use std::ops::Range;
 
 use super::lane::{Kernel, Lane};
 
-/// Joints of the longest limb: loops over them are unrolled.
+/// Largest number of joints of a limb: loops over them are unrolled.
 pub const LONGEST: usize = 6;
 
 /// A run of joints.
@@ -23,12 +23,12 @@ pub struct Limb {
     pub first: usize,
     /// Number of joints.
     pub joints: usize,
-    /// The joints above it, from the base down.
+    /// The joints between the base and the limb, from the base down.
     pub above: Vec<usize>,
-    /// Where its block begins in a matrix: the columns of its rows one after the other, as many numbers each
-    /// as it has joints, so that a column is an array of known length.
+    /// Index of its block in a matrix: the columns of its rows one after the other, each with one number per
+    /// joint, so that a column is an array of known length.
     pub block: usize,
-    /// The entry of a vector to which each column before the limb's own belongs.
+    /// Index in a vector for each column before the limb's own.
     columns: Vec<usize>,
 }
 
@@ -37,59 +37,59 @@ impl Limb {
         let columns = (0..6).chain(above.iter().map(|joint| 6 + joint)).collect();
         Self { first, joints, above, block, columns }
     }
-    /// Columns before the limb's own.
+    /// Number of columns before the limb's own.
     #[inline(always)]
     pub fn outer(&self) -> usize {
         6 + self.above.len()
     }
-    /// Where its block is.
+    /// Range of its block.
     #[inline(always)]
     pub fn range(&self) -> Range<usize> {
         self.block..self.block + self.joints * (self.outer() + self.joints)
     }
 }
 
-/// The row of a joint, up to and with its diagonal.
+/// The row of a joint, up to its diagonal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
     /// Its first entry.
     pub start: usize,
-    /// From one entry to the next.
+    /// Distance between entries.
     pub stride: usize,
     /// Number of entries.
     pub count: usize,
 }
 
 impl Row {
-    /// Where an entry is.
+    /// Index of an entry.
     #[inline(always)]
     pub fn at(self, entry: usize) -> usize {
         self.start + entry * self.stride
     }
-    /// Where the entry on the diagonal is.
+    /// Index of the diagonal entry.
     #[inline(always)]
     pub fn diagonal(self) -> usize {
         self.at(self.count - 1)
     }
 }
 
-/// The shape of a tree.
+/// Structure of a tree.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tree {
     /// Parent body of each joint; body 0 is the base, body `i + 1` that of joint `i`.
     pub parent: Vec<usize>,
-    /// Its limbs; those above come first.
+    /// Its limbs, parents first.
     pub limbs: Vec<Limb>,
     /// The rows of the joints in a matrix.
     pub rows: Vec<Row>,
     /// The joints above each joint, from the base down.
     pub above: Vec<Vec<usize>>,
-    /// Numbers of a matrix below its base block.
+    /// Number of matrix entries outside the base block.
     pub entries: usize,
 }
 
 impl Tree {
-    /// The order in which the joints of a tree are counted depth first, children by their own numbers.
+    /// Depth-first order of a tree's joints; children in the order of their indices.
     pub fn depth_first(parent: &[usize]) -> Vec<usize> {
         let below = |body: usize| (0..parent.len()).rev().filter(move |joint| parent[*joint] == body);
         let mut open: Vec<usize> = below(0).collect();
@@ -101,7 +101,7 @@ impl Tree {
         order
     }
 
-    /// The tree of joints that are counted depth first.
+    /// The tree of joints in depth-first order.
     pub fn new(parent: Vec<usize>) -> Self {
         let joints = parent.len();
         let children = |body: usize| parent.iter().filter(|one| **one == body).count();
@@ -187,7 +187,7 @@ pub fn block<'a, L, const N: usize>(limb: &Limb, numbers: &'a [L]) -> (&'a [[L; 
     (outer, own.first_chunk().expect("a block ends with the limb's own columns"))
 }
 
-/// The same, to write.
+/// As [`block`], mutable.
 #[inline(always)]
 pub fn block_mut<'a, L, const N: usize>(
     limb: &Limb,
@@ -295,7 +295,7 @@ impl<L: Lane> Kernel<L> for Factor<'_, L> {
     }
 }
 
-/// Eliminates the joints of a limb and takes them off the rows above.
+/// Eliminates the joints of a limb and subtracts them from the rows above.
 #[inline(always)]
 fn factor_limb<L: Lane, const N: usize>(limb: &Limb, tree: &Tree, matrix: &mut Matrix<L>, scratch: &mut [L]) {
     let (higher, rows) = matrix.rows.split_at_mut(limb.block);
@@ -322,7 +322,7 @@ fn factor_limb<L: Lane, const N: usize>(limb: &Limb, tree: &Tree, matrix: &mut M
             own[i][k] = a[k][i];
         }
     }
-    // The columns before division by D go to the scratch.
+    // The columns before division by D are stored in the scratch.
     let undivided = &mut scratch.as_chunks_mut::<N>().0[..outer.len()];
     for (column, undivided) in outer.iter_mut().zip(&mut *undivided) {
         let mut v = *column;

@@ -1,4 +1,4 @@
-//! Where robots are and how they move, and what a step computes on its way.
+//! States of the robots, and intermediate results of a step.
 
 use super::constraint::Contacts;
 use super::figures::Topology;
@@ -7,7 +7,7 @@ use super::math::{Columns, Inertia, V3, zero3};
 use super::scratch::Scratch;
 use super::tree::{LONGEST, Matrix};
 
-/// Where robots are and how they move, and what acts on them.
+/// States of the robots, and the forces on them.
 #[derive(Clone)]
 pub struct Motion<L> {
     pub position: V3<L>,
@@ -21,7 +21,7 @@ pub struct Motion<L> {
     pub joint_rates: Vec<L>,
     /// Accelerations of the last step.
     pub acceleration: Vec<L>,
-    /// Accelerations with which the solver begins: those of the last step, going on as they changed in it.
+    /// Accelerations with which the solver starts: those of the last step, extrapolated by their last change.
     /// That saves a sixth of the solver's steps at 500 Hz and a quarter at 2 kHz.
     pub warm: Vec<L>,
     /// Torques of the joints in N m.
@@ -30,13 +30,13 @@ pub struct Motion<L> {
     pub push: V3<L>,
     /// Force on each foot in the last step in N, world axes.
     pub foot_force: [V3<L>; 2],
-    /// 1 where a shape of no foot was in the ground.
+    /// 1 where a shape of a body other than the feet was in the ground.
     pub body_touch: L,
-    /// 1 where torques were handed in since the last step.
+    /// 1 where torques were applied since the last step.
     pub due: L,
     /// 1 until the first step.
     pub fresh: L,
-    /// 1 where every number is finite and within physical reason.
+    /// 1 where every number is finite and within physical bounds.
     pub sane: L,
 }
 
@@ -64,9 +64,9 @@ impl<L: Lane> Motion<L> {
     }
 }
 
-/// What a step computes on its way; nothing in it outlives the step.
+/// Intermediate results; valid within one step.
 pub struct Work<L: Lane> {
-    /// Of each body: axes, place relative to the base's origin, spatial velocity and acceleration without
+    /// Of each body: axes, position relative to the base's origin, spatial velocity, acceleration without
     /// that of the joints, composite inertia, force.
     pub turn: Vec<Columns<L>>,
     pub place: Vec<V3<L>>,
@@ -77,7 +77,7 @@ pub struct Work<L: Lane> {
     /// Motion of each joint's body per joint rate.
     pub axes: Vec<[L; 6]>,
     pub mass: Matrix<L>,
-    /// Forces without constraints.
+    /// Unconstrained forces.
     pub smooth: Vec<L>,
     pub scratch: Vec<L>,
     pub contacts: Contacts<L>,

@@ -1,8 +1,8 @@
-//! libmujoco, loaded when it is first needed instead of before `main`.
+//! libmujoco, loaded on first use instead of before `main`.
 //!
-//! A library that is linked costs every start of the program its loading, and without it the loader ends the
-//! program before it can say anything. Here the functions of the bindings are defined in this crate, one jump
-//! each through a slot; the slots are filled with the library's functions when an engine is opened, or by the
+//! A linked library would slow down every start of the program, and if it were missing the loader would end
+//! the program before any message. Here the functions of the bindings are defined in this crate, each as one
+//! jump through a slot; the slots are filled with the library's functions when an engine is opened, or by the
 //! first call.
 
 use std::ffi::{CStr, CString, c_void};
@@ -11,13 +11,13 @@ use std::sync::atomic::{AtomicPtr, Ordering};
 
 use crate::crash;
 
-/// The file's name, by which the loader finds it on the binary's library path (`build.rs`) and on
+/// The file's name, which the loader searches for on the binary's library path (`build.rs`) and on
 /// `LD_LIBRARY_PATH`.
 const FILE: &CStr = c"libmujoco.so.3.17.0";
-/// A file to load instead.
+/// Environment variable with the path of another file to load.
 const OVERRIDE: &str = "SPECFORGE_MUJOCO";
 
-/// Loads the library unless that has been done. The error says why it cannot be used.
+/// Loads the library unless it is loaded. The error says why it cannot be used.
 pub fn load() -> Result<(), String> {
     static LOADED: OnceLock<Result<(), String>> = OnceLock::new();
     LOADED.get_or_init(open).clone()
@@ -49,18 +49,18 @@ fn find(library: *mut c_void, name: &CStr) -> Result<*mut c_void, String> {
     if found.is_null() { Err(loader_error()) } else { Ok(found) }
 }
 
-/// What the loader says of its last failure.
+/// The loader's last error message.
 fn loader_error() -> String {
-    // SAFETY: `dlerror` gives a text of this thread that stays until the next call, or null.
+    // SAFETY: `dlerror` returns a text of this thread, valid until the next call, or null.
     let text = unsafe { libc::dlerror() };
     if text.is_null() {
-        return "the loader does not say why".to_owned();
+        return "the loader gives no reason".to_owned();
     }
     // SAFETY: as above; it ends with NUL.
     unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
 }
 
-/// Called by the first function of the library that is used, unless it was loaded before.
+/// Called by the first function of the library that is used, unless the library is already loaded.
 extern "C" fn load_or_end() {
     if let Err(reason) = load() {
         crash::fatal("MuJoCo", &format!("its library cannot be used: {reason}"));
@@ -72,8 +72,8 @@ fn cstr(name: &'static str) -> &'static CStr {
 }
 
 fn slots() -> &'static [AtomicPtr<c_void>] {
-    // SAFETY: the assembly below makes one slot of a pointer's size per name, in the order of the names; they
-    // are only written atomically.
+    // SAFETY: the assembly below defines one pointer-sized slot per name, in the order of the names; they are
+    // only written atomically.
     unsafe { &specforge_mujoco_slots }
 }
 
@@ -82,8 +82,7 @@ unsafe extern "C" {
 }
 
 /// Defines the functions: `jmp [slot]`. A slot first leads to `specforge_mujoco_first`, which saves the
-/// registers that hold arguments (System V AMD64 ABI, section 3.2.3), loads the library and begins the call
-/// again.
+/// registers that hold arguments (System V AMD64 ABI, section 3.2.3), loads the library and repeats the call.
 macro_rules! functions {
     ($($name:literal)*) => {
         /// The functions of the bindings, each with a NUL byte at its end.
@@ -298,7 +297,7 @@ mod tests {
     #[test]
     fn every_function_of_the_bindings_is_found_in_the_library() {
         assert_eq!(load(), Ok(()));
-        // SAFETY: only reads a number from the library, by way of its slot.
+        // SAFETY: only reads a number from the library, through its slot.
         assert_eq!(
             unsafe { mujoco_rs::mujoco_c::mj_version() } as u32,
             mujoco_rs::mujoco_c::mjVERSION_HEADER

@@ -1,8 +1,8 @@
-//! The MuJoCo engine, double precision: the sim-to-sim target of deployment.
+//! The MuJoCo engine, double precision: the usual target of sim-to-sim transfer.
 //!
-//! It loads the MJCF of [`super::mjcf`]; every world has an `mjModel` and an `mjData` of its own, and worlds
-//! of one geometry share its compilation. libmujoco is loaded when the engine is opened ([`library`]); a
-//! library that is missing or of another version than the bindings is an error (R0005) and not a crash.
+//! It loads the MJCF of [`super::mjcf`]; every world has its own `mjModel` and `mjData`, and worlds of one
+//! geometry share its compilation. libmujoco is loaded when the engine is opened ([`library`]); a missing
+//! library, or one of another version than the bindings, is an error (R0005) rather than a crash.
 
 #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
 mod library;
@@ -20,20 +20,20 @@ use crate::crash;
 use crate::robot::Robot;
 use skeleton::Skeleton;
 
-/// Joint speed in rad/s beyond which a state is no physics any more.
+/// Joint speed in rad/s above which a state counts as diverged.
 const MAX_RATE: f64 = 1000.0;
-/// Distance in m from the origin beyond which a state is no physics any more.
+/// Distance in m from the origin above which a state counts as diverged.
 const MAX_DISTANCE: f64 = 1000.0;
 
 /// The MuJoCo engine.
 #[derive(Debug)]
 pub struct Mujoco {
-    /// What was compiled last: worlds of the same geometry need no new one.
+    /// The last compiled geometry; worlds with the same geometry share it.
     last: Mutex<Option<Arc<Skeleton>>>,
 }
 
 impl Mujoco {
-    /// The engine, if the library can be loaded and is the one that the bindings were made for.
+    /// The engine, if the library can be loaded and matches the bindings.
     pub fn new() -> Result<Self, EngineError> {
         static LOG: Once = Once::new();
         #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
@@ -41,7 +41,7 @@ impl Mujoco {
         // SAFETY: only reads a number from the library.
         let linked = unsafe { mj_version() } as u32;
         if linked != mjVERSION_HEADER {
-            let reason = format!("it has version number {linked}, needed is {mjVERSION_HEADER}");
+            let reason = format!("its version number is {linked}, but {mjVERSION_HEADER} is required");
             return Err(EngineError::LibraryMissing { engine: "mujoco", reason });
         }
         // SAFETY: models and worlds come from an engine, and no engine exists before this has run.
@@ -62,7 +62,7 @@ impl Mujoco {
             return Ok(known);
         }
         let skeleton = Arc::new(Skeleton::compile(robot, terrain, settings)?);
-        // What goes out is dropped when nobody waits for the lock any more.
+        // The previous geometry is dropped after the lock is released.
         let outgoing = last().replace(skeleton.clone());
         drop(outgoing);
         Ok(skeleton)
@@ -73,9 +73,9 @@ fn refused(error: &dyn std::fmt::Display) -> EngineError {
     EngineError::Model { engine: "mujoco", reason: error.to_string() }
 }
 
-/// Ends the process on MuJoCo's errors, from which it does not return, and drops its other messages: its own
-/// handler writes them into files in the working folder. What they warn of, states beyond reason,
-/// [`World::is_sane`] finds.
+/// Handles MuJoCo's messages. Its errors must not return, so they end the process; other messages are
+/// dropped, because MuJoCo's handler would write them to files in the working folder. The states that they
+/// warn of are detected by [`World::is_sane`].
 fn hear(message: &MjLogMessage) {
     if message.level() == MjtLogLevel::mjLOG_ERROR {
         crash::fatal("MuJoCo", message.subject());
@@ -184,7 +184,7 @@ impl World for MujocoWorld {
     }
 
     fn is_sane(&self) -> bool {
-        // A comparison with a number that is not one is false, so this also catches those.
+        // Comparisons with NaN are false, so NaN is caught, too.
         let near = self.data.qpos().iter().all(|value| value.abs() < MAX_DISTANCE);
         near && self.data.qvel().iter().all(|rate| rate.abs() < MAX_RATE)
     }
@@ -194,7 +194,7 @@ fn conjugate([w, x, y, z]: [f64; 4]) -> [f64; 4] {
     [w, -x, -y, -z]
 }
 
-/// A vector turned by a unit quaternion w x y z.
+/// A vector rotated by a unit quaternion w x y z.
 fn turned([w, x, y, z]: [f64; 4], [a, b, c]: [f64; 3]) -> [f64; 3] {
     let (i, j, k) = (2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a));
     [a + w * i + y * k - z * j, b + w * j + z * i - x * k, c + w * k + x * j - y * i]

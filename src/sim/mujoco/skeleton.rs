@@ -1,11 +1,11 @@
-//! A robot compiled without its figures, and the models of worlds: the same with figures written in.
+//! A robot compiled without its parameters, and the models of worlds: copies with parameters written in.
 //!
-//! MuJoCo's compiler takes 0.4 ms for a robot and its XML reader one lock for the whole process, and a
-//! training that still falls begins an episode every few steps. What is drawn for an episode is nearly always
-//! a figure: a mass, a centre, an inertia, a damping, a friction. So geometry is compiled once, with the same
-//! stand-in figures for every robot, and each world gets a copy with its own figures and what MuJoCo derives
-//! from them (`mj_setConst`). Every world comes about in this way, the first one too, so none depends on what
-//! was built before it.
+//! MuJoCo's compiler takes 0.4 ms for a robot, its XML reader takes one lock for the whole process, and a
+//! training in which the robot still falls begins an episode every few steps. Randomization nearly always
+//! changes parameters only: a mass, a centre of mass, an inertia, a damping, a friction. So geometry is
+//! compiled once, with the same placeholder parameters for every robot, and each world gets a copy with its
+//! own parameters and what MuJoCo derives from them (`mj_setConst`). All worlds are made this way, including
+//! the first, so none depends on what was built before it.
 
 use mujoco_rs::mujoco_c::{mj_setConst, mju_eig3};
 use mujoco_rs::prelude::{MjData, MjModel, MjtObjBase};
@@ -19,12 +19,12 @@ use crate::escape::terminal;
 use crate::robot::Robot;
 use crate::robot::model::Body;
 
-/// The smallest mass in kg and moment of inertia in kg m^2 that MuJoCo's compiler takes.
+/// The smallest mass in kg and moment of inertia in kg m^2 that MuJoCo's compiler accepts.
 const SMALLEST: f64 = 1e-15;
 /// Body 0 is the world.
 const BASE: usize = 1;
 
-/// A model without figures, and where its parts stand.
+/// A model without parameters, and the indices of its parts.
 #[derive(Debug)]
 pub(super) struct Skeleton {
     robot: Robot,
@@ -33,13 +33,13 @@ pub(super) struct Skeleton {
     model: MjModel,
     /// The link's body of each joint.
     bodies: Vec<usize>,
-    /// Where each joint's position and velocity stand in the state vectors.
+    /// Indices of each joint's position and velocity in the state vectors.
     pub slots: Vec<Slot>,
     /// The geoms of the left and the right sole.
     pub soles: [usize; 2],
 }
 
-/// Where a joint's position and velocity stand in the state vectors.
+/// Indices of a joint's position and velocity in the state vectors.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slot {
     pub position: usize,
@@ -54,7 +54,7 @@ impl Skeleton {
         let model = MjModel::from_xml_string(&text).map_err(|error| refused(&error))?;
         let id = |kind, name: &str| {
             let missing = || refused(&format!("`{name}` is not in the model"));
-            // As the MJCF text has it.
+            // The name as in the MJCF text.
             model.name_to_id(kind, &terminal::line(name)).ok_or_else(missing)
         };
         let soles =
@@ -76,7 +76,7 @@ impl Skeleton {
         self.settings == plain(settings) && self.terrain == *terrain && self.robot == bare(robot)
     }
 
-    /// A fresh world's model and data with the figures of this robot, on ground with this friction
+    /// A new world's model and data with the parameters of this robot, on ground with this friction
     /// coefficient.
     pub fn with_figures(&self, robot: &Robot, friction: f64) -> Result<MjData<Box<MjModel>>, EngineError> {
         let mut model = Box::new(self.model.clone());
@@ -105,7 +105,7 @@ impl Skeleton {
             model.geom_priority_mut()[sole] = 1;
         }
         let mut data = MjData::try_new(model).map_err(|error| refused(&error))?;
-        // SAFETY: model and data belong together, and only constants of the model are written anew, no sizes.
+        // SAFETY: model and data belong together, and only constants of the model are rewritten, no sizes.
         unsafe {
             let model: *mut _ = data.model_mut().ffi_mut();
             mj_setConst(model, data.ffi_mut());
@@ -116,8 +116,8 @@ impl Skeleton {
     }
 }
 
-/// Takes the means anew that only the compiler takes; the solver measures its progress by the one of the
-/// inertia.
+/// Computes the means that otherwise only the compiler computes; the solver scales its tolerance with the
+/// mean inertia.
 fn average(model: &mut MjModel) {
     let (dofs, bodies) = (model.dof_m0().len(), model.body_mass().len() - BASE);
     let (inertia, mass) = (model.dof_m0().iter().sum::<f64>(), model.body_mass().iter().sum::<f64>());
@@ -126,7 +126,7 @@ fn average(model: &mut MjModel) {
     means.meanmass = mass / bodies as f64;
 }
 
-/// Writes the mass properties of a body, if they are such as the compiler would take.
+/// Writes the mass properties of a body if the compiler would accept them.
 fn body(model: &mut MjModel, id: usize, body: &Body) -> Result<(), EngineError> {
     let (mut moments, mut axes, mut turn) = ([0.0; 3], [0.0; 9], [0.0; 4]);
     let tensor: [f64; 9] = std::array::from_fn(|entry| body.inertia[(entry / 3, entry % 3)]);
@@ -136,7 +136,7 @@ fn body(model: &mut MjModel, id: usize, body: &Body) -> Result<(), EngineError> 
     // SAFETY: reads and writes these four arrays.
     unsafe { mju_eig3(&mut moments, &mut axes, &mut turn, &tensor) };
     let [largest, middle, smallest] = moments;
-    // Comparisons with a number that is not one are false.
+    // Comparisons with NaN are false.
     let is_possible = body.mass >= SMALLEST && smallest >= SMALLEST && middle + smallest >= largest;
     if !is_possible {
         return Err(refused(&format!(
@@ -151,8 +151,8 @@ fn body(model: &mut MjModel, id: usize, body: &Body) -> Result<(), EngineError> 
     Ok(())
 }
 
-/// A robot of this geometry with stand-in figures: such that the compiler finds no frame of a body to be the
-/// frame of its inertia, which would be a short cut for that body only.
+/// A robot of this geometry with placeholder parameters, chosen so that no body's frame is its inertial
+/// frame: MuJoCo's compiler would take a shortcut for such a body only.
 fn bare(robot: &Robot) -> Robot {
     let mut bare = robot.clone();
     for body in std::iter::once(&mut bare.base).chain(bare.links.iter_mut().map(|link| &mut link.body)) {
@@ -162,7 +162,7 @@ fn bare(robot: &Robot) -> Robot {
     }
     for joint in bare.links.iter_mut().map(|link| &mut link.joint) {
         (joint.damping, joint.friction, joint.armature, joint.effort_limit) = (1.0, 1.0, 1.0, 1.0);
-        // Not in the model at all.
+        // Not part of the model.
         (joint.velocity_limit, joint.stiffness_gain, joint.damping_gain, joint.default_position) =
             (0.0, 0.0, 0.0, 0.0);
     }
@@ -170,7 +170,7 @@ fn bare(robot: &Robot) -> Robot {
     bare
 }
 
-/// The settings but for the friction of the ground, which is a figure, too.
+/// The settings without the friction of the ground, which is a parameter, too.
 fn plain(settings: &EngineSettings) -> EngineSettings {
     EngineSettings { friction: 1.0, ..settings.clone() }
 }
@@ -183,7 +183,7 @@ mod tests {
 
     const SETTINGS: EngineSettings = EngineSettings { step: 0.002, friction: 0.7, contact_time: None };
 
-    /// A robot with every figure changed by up to 30 %.
+    /// A robot with every parameter changed by up to 30 %.
     fn drawn(name: &str, number: u32) -> Robot {
         let (mut robot, mut stream) =
             (robot::shipped(name).expect("it ships"), Stream::new(&format!("{name}/{number}")));
@@ -205,7 +205,7 @@ mod tests {
         robot
     }
 
-    /// The largest difference between the figures of two models, as a share of the larger one.
+    /// The largest difference between the parameters of two models, relative to the larger one.
     fn difference(ours: &MjModel, theirs: &MjModel) -> f64 {
         let flat = |model: &MjModel| -> Vec<f64> {
             let mut all = vec![model.stat().meaninertia, model.stat().meanmass, model.stat().extent];

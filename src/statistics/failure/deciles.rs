@@ -4,15 +4,15 @@ use super::Sets;
 use crate::statistics::Interval;
 use crate::statistics::proportion::wilson;
 
-/// Parts of equal size.
+/// Number of equal parts.
 pub const PARTS: usize = 10;
 
 /// A tenth of the sets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decile {
-    /// The mean distance from the nominal value, in units of half the range.
+    /// Mean deviation from the nominal value, in units of half the range.
     pub place: f64,
-    /// Failures and tries.
+    /// Failures and trials.
     pub count: [u64; 2],
     /// The share of failures.
     pub rate: f64,
@@ -20,7 +20,7 @@ pub struct Decile {
     pub interval: Interval,
 }
 
-/// The tenths of a parameter from its lowest values to its highest; none with fewer sets than tenths.
+/// The tenths of a parameter from its lowest values to its highest; empty if there are fewer than ten sets.
 pub fn of(sets: &Sets, parameter: usize, confidence: f64) -> Vec<Decile> {
     let count = sets.rows.len();
     if count < PARTS {

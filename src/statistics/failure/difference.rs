@@ -1,10 +1,10 @@
-//! Standardised mean differences (Cohen's d): how far the failed sets' mean of a parameter lies from that of
-//! the others.
+//! Standardised mean differences (Cohen's d): the distance between the means of a parameter over failed and
+//! other sets.
 
 use super::Sets;
 
-/// Failed minus survived, in units of the root mean of both variances, for each parameter. `None` when a side
-/// has fewer than two tries or no spread.
+/// Failed minus survived, in units of the root of the mean of both variances, for each parameter. `None` if a
+/// side has fewer than two trials or no spread.
 pub fn of(sets: &Sets, weights: &[f64]) -> Option<Vec<f64>> {
     (0..sets.names.len()).map(|at| one(sets, weights, at)).collect()
 }
@@ -21,7 +21,7 @@ fn one(sets: &Sets, weights: &[f64], at: usize) -> Option<f64> {
     (spread > 0.0).then(|| (first[0] - second[0]) / spread)
 }
 
-/// Mean and variance (with n - 1) of values that count so many times each.
+/// Weighted mean and variance (divisor n - 1).
 fn moments(
     values: impl Iterator<Item = f64> + Clone,
     counts: impl Iterator<Item = f64> + Clone,

@@ -1,8 +1,9 @@
-//! The direction of failure: the first right-singular vector of the failed sets' distances from the nominal
+//! The direction of failure: the first right-singular vector of the failed sets' deviations from the nominal
 //! set.
 //!
-//! The distances are *not* centred on the failed sets' mean. Centring asks where failed sets vary, and they
-//! vary least along a parameter that fails on one side only; not centring asks where they lie.
+//! The deviations are *not* centred on the failed sets' mean. After centring, the vector would show where
+//! failed sets vary, and they vary least along a parameter that fails on one side only; without centring it
+//! shows where they lie.
 
 use nalgebra::DMatrix;
 
@@ -11,14 +12,14 @@ use super::Sets;
 /// A direction of failure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Loadings {
-    /// A unit vector, an entry for each parameter. It points to where the failed sets lie on average; where
-    /// their mean has no part along it, its largest entry is positive.
+    /// A unit vector with an entry for each parameter. Its sign is such that it points to the mean of the
+    /// failed sets; if their mean is orthogonal to it, its largest entry is positive.
     pub direction: Vec<f64>,
-    /// The share of the sum of squares that lies along it.
+    /// Share of the sum of squares along it.
     pub share: f64,
 }
 
-/// The direction of the failed sets, each counted as often as it failed times its weight; `None` without
+/// The direction of the failed sets, each weighted by its number of failures times its weight; `None` without
 /// failures.
 pub fn of(sets: &Sets, weights: &[f64]) -> Option<Loadings> {
     let count = sets.names.len();
@@ -36,12 +37,12 @@ pub fn of(sets: &Sets, weights: &[f64]) -> Option<Loadings> {
     }
     squares.fill_upper_triangle_with_lower_triangle();
     let total = squares.trace();
-    // Also where no parameter varies: an empty matrix has no eigenvectors.
+    // Also if no parameter varies: an empty matrix has no eigenvectors.
     if total <= 0.0 {
         return None;
     }
-    // The right-singular vectors of a matrix are the eigenvectors of its Gram matrix, the squares of its
-    // singular values their eigenvalues.
+    // The right-singular vectors of a matrix are the eigenvectors of its Gram matrix, and the squared
+    // singular values are the eigenvalues.
     let eigen = squares.symmetric_eigen();
     let first = eigen.eigenvalues.imax();
     let mut direction: Vec<f64> = eigen.eigenvectors.column(first).iter().copied().collect();
@@ -55,7 +56,7 @@ pub fn of(sets: &Sets, weights: &[f64]) -> Option<Loadings> {
 }
 
 impl Loadings {
-    /// Turns round when it points away from another one: a resample may choose the other of two equal signs.
+    /// Flips the sign if it points away from another direction: resamples may choose either sign.
     pub fn turn_like(&mut self, other: &Self) {
         let dot: f64 = self.direction.iter().zip(&other.direction).map(|(a, b)| a * b).sum();
         if dot < 0.0 {

@@ -2,29 +2,28 @@
 //! reweighted least squares).
 //!
 //! Columns are standardised, so that coefficients of different parameters can be compared: the log odds
-//! change by the coefficient for one standard deviation. Where failures can be told from survivals without a
-//! mistake the likelihood has no maximum; the coefficients are then held by a ridge penalty, and the fit says
-//! so.
+//! change by the coefficient for one standard deviation. If failures and survivals are perfectly separable,
+//! the likelihood has no maximum; the coefficients then get a ridge penalty, and the fit reports it.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::Sets;
 
-/// The penalty on the squared standardised coefficients (not the intercept) where the likelihood alone has no
-/// maximum.
+/// The penalty on the squared standardised coefficients (without the intercept) if the likelihood alone has
+/// no maximum.
 pub const RIDGE: f64 = 1.0;
-/// A standardised coefficient beyond this means that the likelihood has no maximum.
+/// A standardised coefficient above this shows that the likelihood has no maximum.
 const RUNAWAY: f64 = 15.0;
-/// Steps of Newton's method.
+/// Largest number of Newton steps.
 const STEPS: usize = 60;
-/// A step smaller than this in every coefficient is the last.
+/// Newton's method ends when every coefficient changes by less than this.
 const CLOSE: f64 = 1e-8;
 
 /// The columns of a regression, standardised over all sets.
 #[derive(Clone, Debug)]
 pub struct Design<'a> {
     sets: &'a Sets,
-    /// Number of columns: one, and two for each parameter.
+    /// Number of columns: the intercept, and two for each parameter.
     columns: usize,
     /// Row by row.
     values: Vec<f64>,
@@ -33,13 +32,13 @@ pub struct Design<'a> {
 /// A fitted regression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
-    /// Log odds of failure where every column has its mean.
+    /// Log odds of failure with every column at its mean.
     pub intercept: f64,
     /// Coefficient of each standardised parameter.
     pub linear: Vec<f64>,
     /// Coefficient of each standardised square of a standardised parameter.
     pub quadratic: Vec<f64>,
-    /// The penalty, where one was needed.
+    /// The penalty if one was needed.
     pub ridge: Option<f64>,
 }
 
@@ -60,8 +59,8 @@ impl<'a> Design<'a> {
         Self { sets, columns, values }
     }
 
-    /// The coefficients with each set counted so many times, from another fit on; `None` when even the
-    /// penalised likelihood cannot be climbed.
+    /// The coefficients with each set weighted, starting from another fit; `None` if even the penalised
+    /// likelihood cannot be maximised.
     pub fn fit(&self, weights: &[f64], from: Option<&Fit>) -> Option<Fit> {
         let start = from.filter(|fit| fit.ridge.is_none()).map(Fit::coefficients);
         let free = match from {
@@ -77,7 +76,7 @@ impl<'a> Design<'a> {
         }
     }
 
-    /// Newton's method; `None` when it runs away or does not arrive.
+    /// Newton's method; `None` if it diverges or does not converge.
     fn climb(&self, weights: &[f64], ridge: f64, start: Option<DVector<f64>>) -> Option<DVector<f64>> {
         let mut found = start.unwrap_or_else(|| DVector::zeros(self.columns));
         let mut height = self.likelihood(&found, weights, ridge);
@@ -86,7 +85,7 @@ impl<'a> Design<'a> {
             let mut step = curvature.cholesky()?.solve(&gradient);
             let mut next = &found + &step;
             let mut reached = self.likelihood(&next, weights, ridge);
-            // The likelihood is concave: half a step is better where a whole one is too far.
+            // The likelihood is concave: a half step is better if a full one overshoots.
             while (reached.is_nan() || reached < height - 1e-12 * height.abs()) && step.amax() > CLOSE {
                 step *= 0.5;
                 next = &found + &step;
@@ -103,7 +102,7 @@ impl<'a> Design<'a> {
         None
     }
 
-    /// Every set's columns, how many failed, how many tried, each times the weight.
+    /// Every set's columns, its failures and its trials, times the weight.
     fn counted<'s>(&'s self, weights: &'s [f64]) -> impl Iterator<Item = (&'s [f64], f64, f64)> {
         let counts = self.sets.failures.iter().zip(&self.sets.trials).zip(weights);
         let rows = self.values.chunks_exact(self.columns).zip(counts);
@@ -121,7 +120,7 @@ impl<'a> Design<'a> {
         self.counted(weights).map(of).sum::<f64>() - penalty
     }
 
-    /// Gradient and negative second derivative of the likelihood.
+    /// Gradient and negative Hessian of the likelihood.
     fn slopes(&self, at: &DVector<f64>, weights: &[f64], ridge: f64) -> (DVector<f64>, DMatrix<f64>) {
         let count = self.columns;
         let (mut gradient, mut curvature) = (vec![0.0; count], vec![0.0; count * count]);
@@ -166,7 +165,7 @@ fn dot(row: &[f64], at: &DVector<f64>) -> f64 {
     row.iter().zip(at.as_slice()).map(|(x, y)| x * y).sum()
 }
 
-/// The values less their mean, over their deviation (with n); zeros where they are all alike.
+/// The values minus their mean, divided by their standard deviation (divisor n); zeros if they are all equal.
 fn standardised(values: Vec<f64>) -> Vec<f64> {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -190,7 +189,7 @@ mod tests {
 
     #[test]
     fn three_points_are_met_exactly() {
-        // Log odds -1, 0, 2 at -1, 0, 1: three coefficients pass through them.
+        // Log odds -1, 0, 2 at -1, 0, 1: three coefficients fit them exactly.
         let share = |odds: f64| 1.0 / (1.0 + libm::exp(-odds));
         let trials = 1000.0;
         let failures = [-1.0, 0.0, 2.0].map(|odds| trials * share(odds));
@@ -198,7 +197,7 @@ mod tests {
         let fit = Design::new(&sets).fit(&[1.0; 3], None).expect("a maximum");
         let deviation = libm::sqrt(2.0 / 3.0);
         assert!((fit.linear[0] - 1.5 * deviation).abs() < 1e-8, "{fit:?}");
-        // Squares 1, 0, 1 (in x): mean 2/3, and 0.5 x^2 is what the odds bend by.
+        // Squares 1, 0, 1 (in x): mean 2/3, and the log odds have the curvature of 0.5 x^2.
         assert!((fit.quadratic[0] - 0.5 * libm::sqrt(2.0) / 3.0).abs() < 1e-8, "{fit:?}");
         assert_eq!(fit.ridge, None);
     }

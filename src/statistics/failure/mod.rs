@@ -1,9 +1,9 @@
-//! Why some parameter sets fail: directions of failure, a logistic regression, failure rates per decile,
-//! standardised differences of means.
+//! Why some parameter sets fail: direction of failure, logistic regression, failure rates per decile,
+//! standardised mean differences.
 //!
-//! A set is a row of scales about a nominal value, tried by one policy or several. Intervals come from
-//! resampling the sets: the outcomes of all policies on a set are drawn together. Knows no robot and no
-//! report.
+//! A set is a row of factors around nominal values, tried by one or several policies. Intervals come from
+//! resampling the sets: the outcomes of all policies on a set are resampled together. Independent of robots
+//! and reports.
 
 pub mod deciles;
 pub mod difference;
@@ -14,18 +14,18 @@ use super::Interval;
 use super::summary::quantile_of_sorted;
 use crate::stream::Stream;
 
-/// Resamples behind the intervals: fewer than elsewhere, as each of them fits a regression.
+/// Number of resamples for the intervals: fewer than elsewhere, because each fits a regression.
 pub const RESAMPLES: usize = 400;
-/// Failures and survivals that an analysis takes, each.
+/// Smallest number of failures, and of survivals, for an analysis.
 pub const FEWEST: f64 = 10.0;
 
-/// Parameter sets and what came of them.
+/// Parameter sets and their outcomes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sets {
     /// The parameters.
     pub names: Vec<String>,
-    /// A row for each set: for each parameter the distance from its nominal value in units of half its range,
-    /// -1 to 1.
+    /// A row for each set: for each parameter the deviation from its nominal value in units of half its
+    /// range, -1 to 1.
     pub rows: Vec<Vec<f64>>,
     /// How many policies failed, by set.
     pub failures: Vec<f64>,
@@ -38,30 +38,29 @@ pub struct Sets {
 pub struct Ranged {
     /// The number.
     pub value: f64,
-    /// Its 95 % interval; absent when a quarter of the resamples or more did not have the number.
+    /// Its 95 % interval; missing if at least a quarter of the resamples did not yield the number.
     pub interval: Option<Interval>,
 }
 
-/// What is found, a number for each parameter.
+/// Results, with a number for each parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Analysis {
     /// Entries of the direction of failure, see [`loadings`].
     pub loadings: Vec<Ranged>,
-    /// The share of the squared distances of failed sets that lies along that direction; one over the number
-    /// of parameters when there is no direction.
+    /// Share of the squared deviations of failed sets along that direction; one divided by the number of
+    /// parameters without a direction.
     pub share: f64,
-    /// Change of the log odds of failure for a standard deviation of the parameter.
+    /// Change of the log odds of failure per standard deviation of the parameter.
     pub linear: Vec<Ranged>,
-    /// The same for a standard deviation of its square.
+    /// Change of the log odds of failure per standard deviation of its square.
     pub quadratic: Vec<Ranged>,
-    /// The penalty that the regression needed because failures could be told from survivals without a
-    /// mistake.
+    /// The penalty of the regression, needed if failures and survivals are perfectly separable.
     pub ridge: Option<f64>,
     /// Standardised mean differences, failed minus survived.
     pub differences: Vec<Ranged>,
 }
 
-/// One estimate of everything, before intervals.
+/// One estimate of all results, without intervals.
 struct Draw {
     loadings: loadings::Loadings,
     fit: logistic::Fit,
@@ -69,12 +68,12 @@ struct Draw {
 }
 
 impl Sets {
-    /// How many tries failed, and how many there were.
+    /// Numbers of failures and of trials.
     pub fn counts(&self) -> [f64; 2] {
         [self.failures.iter().sum(), self.trials.iter().sum()]
     }
 
-    /// Everything with intervals; `None` with fewer than [`FEWEST`] failures or survivals, or when no
+    /// All results with intervals; `None` with fewer than [`FEWEST`] failures or survivals, or if no
     /// parameter varies.
     pub fn analyse(&self, confidence: f64, stream: &mut Stream) -> Option<Analysis> {
         let [failed, tried] = self.counts();
@@ -106,7 +105,7 @@ impl Sets {
         })
     }
 
-    /// The estimates with each set counted so many times; directions point along the `like` one's.
+    /// The estimates with weighted sets; directions have the sign of those of `like`.
     fn draw(&self, design: &logistic::Design, weights: &[f64], like: Option<&Draw>) -> Option<Draw> {
         let mut loadings = loadings::of(self, weights)?;
         if let Some(like) = like {

@@ -7,38 +7,38 @@ use crate::learn::backend::{ADVANTAGE_EPSILON, Loss, Moments, Sums, TrainableMlp
 use crate::learn::lane::Records;
 use crate::learn::settings::Settings;
 
-/// A loss over a rollout as it was recorded.
+/// A loss over a recorded rollout.
 #[derive(Clone, Debug)]
 pub struct NativeLoss<'a> {
     records: &'a [&'a Records],
     settings: &'a Settings,
     role: Role,
-    /// The samples of a pass.
+    /// Order of the samples in a pass.
     order: Vec<usize>,
     /// Samples of the minibatch.
     minibatch: usize,
 }
 
-/// Whose loss it is.
+/// Which network the loss is for.
 #[derive(Clone, Debug)]
 enum Role {
     Actor(Surrogate),
     Critic,
 }
 
-/// What the actor's loss is made of beside the records.
+/// Inputs of the actor's loss other than the records.
 #[derive(Clone, Debug)]
 struct Surrogate {
     /// Inverse variance of each action.
     precisions: Vec<f64>,
     /// Whether advantages are normalised over the rollout.
     over_rollout: bool,
-    /// Those of the rollout or of the minibatch.
+    /// Mean and standard deviation of the advantages, over the rollout or the minibatch.
     advantages: Moments,
 }
 
 impl<'a> NativeLoss<'a> {
-    /// The actor's.
+    /// The actor's loss.
     pub fn of_actor(records: &'a [&'a Records], settings: &'a Settings) -> Self {
         let of_rollout = Moments::of_rollout(records, settings);
         let surrogate = Surrogate {
@@ -49,7 +49,7 @@ impl<'a> NativeLoss<'a> {
         Self { records, settings, role: Role::Actor(surrogate), order: Vec::new(), minibatch: 0 }
     }
 
-    /// The critic's.
+    /// The critic's loss.
     pub fn of_critic(records: &'a [&'a Records], settings: &'a Settings) -> Self {
         Self { records, settings, role: Role::Critic, order: Vec::new(), minibatch: 0 }
     }

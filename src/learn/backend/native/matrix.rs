@@ -3,9 +3,9 @@
 //!
 //! An entry of a product is the sum over the common dimension in its order, from zero, by fused
 //! multiply-adds; products of more than [`DEPTH`] terms add up one such sum after the other. The `gemm` crate
-//! takes large products: its kernels for AVX2, AVX-512 and NEON all sum so, in blocks of at least that depth.
-//! Its short cuts for vectors and small matrices sum in the lanes of the processor's registers, so those
-//! products are taken here. A test compares both with plain sums.
+//! takes large products: its kernels for AVX2, AVX-512 and NEON all sum in this order, in blocks of at least
+//! that depth. Its fast paths for vectors and small matrices sum in the lanes of the processor's registers,
+//! so these products are computed here instead. A test compares both with plain sums.
 
 use std::ops::Range;
 
@@ -14,15 +14,15 @@ use gemm_common::Parallelism;
 use crate::learn::backend::Beta;
 use crate::learn::error::LearnError;
 
-/// Terms that `gemm` adds up in one block whatever the processor's caches: the least depth of a block in its
-/// version 0.19.
+/// Number of terms that `gemm` 0.19 adds up in one block whatever the processor's caches: its smallest block
+/// depth.
 const DEPTH: usize = 512;
-/// Entries of the largest matrix for which `gemm` has a short cut, unless it is a vector or the sums are
+/// Entries of the largest matrix for which `gemm` has a fast path, unless it is a vector or the sums are
 /// short.
 const SMALL: usize = 16 * 16;
-/// Terms of the longest sums for which `gemm` has a short cut.
+/// Terms of the longest sums for which `gemm` has a fast path.
 const SHORT: usize = 2;
-/// Neighbouring entries that are summed side by side here.
+/// Neighbouring entries that are summed in parallel.
 const LANES: usize = 16;
 
 /// Numbers in memory as a matrix.
@@ -42,23 +42,23 @@ impl<'a> Matrix<'a> {
         Self { numbers, rows, columns, is_transposed: false }
     }
 
-    /// Its columns as rows.
+    /// The transposed matrix.
     pub fn transposed(self) -> Self {
         Self { rows: self.columns, columns: self.rows, is_transposed: !self.is_transposed, ..self }
     }
 
-    /// How far apart the rows and the columns are in memory.
+    /// Distance in memory between neighbouring rows and between neighbouring columns, in numbers.
     fn strides(&self) -> [isize; 2] {
         if self.is_transposed { [1, self.rows as isize] } else { [self.columns as isize, 1] }
     }
 
-    /// Where the number of a row and column is in memory.
+    /// Index in memory of the entry in this row and column.
     #[inline(always)]
     fn place(&self, row: usize, column: usize) -> usize {
         if self.is_transposed { column * self.rows + row } else { row * self.columns + column }
     }
 
-    /// Whether neighbours in a row are neighbours in memory.
+    /// Whether neighbours in a row are adjacent in memory.
     fn has_whole_rows(&self) -> bool {
         !self.is_transposed || self.rows == 1
     }
@@ -84,8 +84,8 @@ pub fn multiply(target: &mut [f32], beta: Beta, a: Matrix, b: Matrix) {
     }
 }
 
-/// Fails on a processor whose products would have other bits: `gemm` has no kernels with fused multiply-adds
-/// for it.
+/// Fails on a processor for which `gemm` has no kernels with fused multiply-adds: its products would have
+/// other bits.
 pub fn check_processor() -> Result<(), LearnError> {
     is_fused().then_some(()).ok_or(LearnError::Processor)
 }
@@ -110,10 +110,10 @@ fn multiply_large(target: &mut [f32], beta: Beta, a: Matrix, b: Matrix, block: R
     };
     let ([a_row, a_column], [b_row, b_column]) = (a.strides(), b.strides());
     let (a_start, b_start) = (a.place(0, block.start), b.place(block.start, 0));
-    // The kernels prefer a target whose columns are whole in memory, so they compute the transposed product
-    // from the transposed factors.
-    // SAFETY: with these strides each matrix is its whole slice, by `Matrix::new`, the block is inside by the
-    // assertion above, and no other reference to the target lives.
+    // The kernels are faster when the target's columns are contiguous in memory, so they compute the
+    // transposed product from the transposed factors. SAFETY: with these strides each matrix covers exactly
+    // its slice (`Matrix::new`), the block lies inside (asserted above), and no other reference to the target
+    // lives.
     unsafe {
         gemm_f32::gemm::f32::get_gemm_fn()(
             columns,
@@ -141,7 +141,7 @@ fn multiply_large(target: &mut [f32], beta: Beta, a: Matrix, b: Matrix, block: R
 
 /// The same without `gemm`.
 fn multiply_small(target: &mut [f32], beta: Beta, a: Matrix, b: Matrix, block: Range<usize>) {
-    // A column is summed as the row that it is in the transposed product.
+    // A column vector is computed as a row of the transposed product.
     let (a, b) = if b.columns == 1 { (b.transposed(), a.transposed()) } else { (a, b) };
     #[cfg(target_arch = "x86_64")]
     if is_fused() {
@@ -151,7 +151,7 @@ fn multiply_small(target: &mut [f32], beta: Beta, a: Matrix, b: Matrix, block: R
     rows_of_product(target, beta, a, b, block);
 }
 
-/// As [`rows_of_product`], with the processor's own fused multiply-adds.
+/// As [`rows_of_product`], with the processor's fused multiply-add instructions.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
 fn rows_of_product_fused(target: &mut [f32], beta: Beta, a: Matrix, b: Matrix, block: Range<usize>) {

@@ -1,5 +1,5 @@
-//! A network under training: forward and backward passes by hand on preallocated arrays. A pass over the same
-//! numbers gives the same bits, whatever the number of threads beside it.
+//! A network under training: hand-written forward and backward passes on preallocated arrays. A pass over the
+//! same numbers gives the same bits, whatever the number of threads.
 
 use super::aligned::Aligned;
 use super::matrix::{Matrix, multiply};
@@ -8,7 +8,8 @@ use crate::learn::backend::layout::Layout;
 use crate::learn::backend::{Beta, TrainableMlp};
 use crate::learn::network::{Activation, Network};
 
-/// Rows whose activations and slopes in two hidden layers of 256 take 2 MB: what stays in a core's cache.
+/// Number of rows whose activations and derivatives in two hidden layers of 256 units take 2 MB, which fits a
+/// core's cache.
 const BLOCK_ROWS: usize = 512;
 
 /// A network with its gradient and Adam's moments, all flat.
@@ -31,7 +32,7 @@ pub struct Workspace {
     deltas: Vec<Aligned>,
 }
 
-/// Parameters and moments of a network at one moment.
+/// Snapshot of a network's parameters and moments.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
     parameters: Aligned,

@@ -1,7 +1,7 @@
-//! Both losses of PPO as libtorch's operations, in double precision.
+//! Both losses of PPO with libtorch's operations, in double precision.
 //!
-//! The rollout goes to the device once per update, the order of the samples once per pass; of each minibatch
-//! three sums come back, on which the update's end depends.
+//! The rollout is copied to the device once per update and the order of the samples once per pass. For each
+//! minibatch three sums come back, which decide when the update ends.
 
 use std::ops::Range;
 
@@ -16,24 +16,24 @@ use crate::learn::settings::Settings;
 pub struct TorchLoss {
     inputs: Tensor,
     role: Role,
-    /// The samples of a pass.
+    /// Order of the samples in a pass.
     order: Tensor,
     /// Samples of the minibatch.
     minibatch: usize,
     device: Device,
 }
 
-/// Whose loss it is, with what it is made of.
+/// Which network the loss is for, with its inputs.
 enum Role {
     Actor(Surrogate),
     Critic {
         targets: Tensor,
-        /// Slope of the loss over the mean error.
+        /// Derivative of the loss with respect to the mean error.
         factor: f64,
     },
 }
 
-/// What the actor's loss is made of.
+/// Inputs of the actor's loss.
 struct Surrogate {
     actions: Tensor,
     /// The actor's outputs before the update.
@@ -41,7 +41,7 @@ struct Surrogate {
     advantages: Tensor,
     /// Inverse variance of each action.
     precisions: Tensor,
-    /// Whether they are normalised over the rollout.
+    /// Whether advantages are normalised over the rollout.
     over_rollout: bool,
     /// Mean of the advantages, of the rollout or of the minibatch.
     mean: Tensor,
@@ -51,7 +51,7 @@ struct Surrogate {
 }
 
 impl TorchLoss {
-    /// The actor's, for observations of this width.
+    /// The actor's loss, for observations of this width.
     pub fn of_actor(device: Device, records: &[&Records], settings: &Settings, width: usize) -> Self {
         let rows = |width, of| stacked(records, settings.horizon(), width, of).to_device(device);
         let actions = settings.std.len();
@@ -70,7 +70,7 @@ impl TorchLoss {
         Self::new(device, rows(width, |records| &records.observations), Role::Actor(surrogate))
     }
 
-    /// The critic's, for states of this width.
+    /// The critic's loss, for states of this width.
     pub fn of_critic(device: Device, records: &[&Records], settings: &Settings, width: usize) -> Self {
         let rows = |width, of| stacked(records, settings.horizon(), width, of).to_device(device);
         let factor = 2.0 * settings.value_coefficient;
@@ -83,9 +83,9 @@ impl TorchLoss {
     }
 }
 
-/// The records of all environments below each other, one row of this width per control step.
+/// The records of all environments stacked, one row of this width per control step.
 fn stacked(records: &[&Records], steps: usize, width: usize, of: fn(&Records) -> &Vec<f32>) -> Tensor {
-    // The states have a row more, that after the rollout.
+    // The states have one more row: the state after the rollout.
     let numbers: Vec<f32> =
         records.iter().flat_map(|records| &of(records)[..steps * width]).copied().collect();
     Tensor::from_slice(&numbers).view([(records.len() * steps) as i64, width as i64])
@@ -130,7 +130,7 @@ impl Loss<TorchMlp> for TorchLoss {
 }
 
 impl Surrogate {
-    /// Takes mean and standard deviation of the advantages of these samples.
+    /// Computes mean and standard deviation of the advantages of these samples.
     fn normalise_over(&mut self, samples: &Tensor) {
         let advantages = self.advantages.index_select(0, samples);
         self.mean = advantages.mean(Kind::Double);
@@ -138,8 +138,8 @@ impl Surrogate {
         self.deviation = (squares / f64::max(advantages.numel() as f64 - 1.0, 1.0)).sqrt();
     }
 
-    /// Writes the slopes of the actor's loss over a minibatch of so many samples at some of them; the
-    /// formulas are those of the native backend.
+    /// Writes the derivatives of the actor's loss over a minibatch of `minibatch` samples at some of them, by
+    /// the formulas of the native backend.
     fn differentiate(&self, samples: &Tensor, minibatch: usize, space: &mut Workspace, sums: &mut Sums) {
         let (outputs, slopes) = space.slopes_mut();
         let [actions, old, advantages] =

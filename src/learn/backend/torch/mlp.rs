@@ -1,4 +1,4 @@
-//! A network under training as libtorch's tensors: forward and backward passes by hand, without autograd.
+//! A network under training as libtorch tensors: hand-written forward and backward passes, without autograd.
 
 use tch::{Device, Kind, Tensor};
 
@@ -38,7 +38,7 @@ pub struct Workspace {
     deltas_transposed: Vec<Tensor>,
 }
 
-/// Parameters and moments of a network at one moment.
+/// Snapshot of a network's parameters and moments.
 pub struct Snapshot {
     parameters: Tensor,
     adam: Adam,
@@ -75,7 +75,7 @@ impl TrainableMlp for TorchMlp {
     type Workspace = Workspace;
     type Snapshot = Snapshot;
 
-    /// Keeps libtorch from starting threads of its own: on matrices this small a second one makes it ten
+    /// Stops libtorch from starting its own threads: on matrices this small a second thread makes it ten
     /// times slower whenever a core is shared.
     fn prepare_thread() {
         tch::set_num_threads(1);

@@ -1,7 +1,7 @@
 //! The torch backend: libtorch's operations without autograd, on the CPU or a CUDA device.
 //!
-//! The steps are those of the native backend, number by number; only sums are taken in libtorch's order, so
-//! the last bits differ. Nothing larger than a few numbers leaves the device inside an update.
+//! The steps are those of the native backend; only the order of summation is libtorch's, so the last bits
+//! differ. Within an update only a few numbers leave the device.
 
 mod adam;
 mod loss;
@@ -28,7 +28,7 @@ impl Torch {
     /// libtorch on the CPU.
     pub const CPU: Self = Self(tch::Device::Cpu);
 
-    /// libtorch on this device. Fails where it has none or finds none.
+    /// libtorch on this device. Fails if this libtorch does not support the device or the machine lacks it.
     pub fn on(device: Device) -> Result<Self, LearnError> {
         match device {
             Device::Cpu => Ok(Self::CPU),

@@ -1,4 +1,4 @@
-//! Networks as TorchScript modules, which PyTorch and libtorch load without any Python code of ours
+//! Networks as TorchScript modules, which PyTorch and libtorch load without specforge's code
 //! (`torch.jit.load`).
 
 use std::path::Path;
@@ -8,7 +8,7 @@ use tch::{CModule, Device, Kind, TchError, Tensor};
 use crate::learn::network::{Activation, Layer, Network};
 
 /// Writes a network as a TorchScript module whose `forward` maps f32 inputs, `rows` x inputs, to outputs,
-/// `rows` x outputs. The weights are constants of its graph. Fails where libtorch cannot write the file.
+/// `rows` x outputs. The weights are constants of its graph. Fails if libtorch cannot write the file.
 pub fn save(network: &Network, path: &Path) -> Result<(), TchError> {
     let tensors = |layer: &Layer| {
         let shape = [layer.outputs as i64, layer.inputs as i64];

@@ -1,10 +1,10 @@
-//! One update against libtorch's autograd.
+//! Comparison of one update with libtorch's autograd.
 
 use tch::{Device, Kind, Tensor};
 
 use super::*;
 
-/// A network's parameters as torch tensors that ask for gradients.
+/// A network's parameters as torch tensors that require gradients.
 fn parameters(network: &Network) -> Vec<Tensor> {
     let of_layer = |layer: &crate::learn::Layer| {
         let shape = [layer.outputs as i64, layer.inputs as i64];
@@ -30,7 +30,7 @@ fn squares(parameters: &[Tensor]) -> f64 {
 }
 
 /// The parameters after one step of Adam from zero moments with the step sizes of the hidden layers and of
-/// the last, the gradient shortened as one with these squares is to a norm of 0.5.
+/// the last, the gradient clipped to a norm of 0.5 by this sum of squares.
 fn stepped(parameters: &[Tensor], [hidden, last]: [f64; 2], squares: f64) -> Vec<Vec<f32>> {
     let shrink = (0.5 / (squares.sqrt() + 1e-6)).min(1.0);
     let of_last = parameters.len() - 2;

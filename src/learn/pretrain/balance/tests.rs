@@ -9,7 +9,7 @@ use crate::stream::Stream;
 
 const ROBOTS: [(&str, &str); 3] = [("tocabi", "walk"), ("atlas", "walk"), ("g1", "walk_g1")];
 
-/// A robot, its walk and its balance, with these keys changed.
+/// A robot, its walk and its balance with some keys changed.
 fn setting((robot, walk): (&str, &str), soles: f64, changed: &[(&str, f64)]) -> (Robot, Motion, Balance) {
     let robot = crate::robot::shipped(robot).unwrap();
     let walk = motion::shipped(walk, &robot).unwrap().unwrap();
@@ -32,7 +32,7 @@ fn leaning(roll: f64, pitch: f64, yaw: f64) -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::identity(), turn)
 }
 
-/// A state about the reference.
+/// A state near the reference.
 fn about(frame: &Frame, stream: &mut Stream) -> (Isometry3<f64>, f64, Vec<f64>, Vec<f64>) {
     let yaw = 0.5 * stream.normal();
     let base = leaning(0.06 * stream.normal(), 0.06 * stream.normal(), yaw);
@@ -73,8 +73,8 @@ fn the_spring_and_the_damper_act_on_the_centre_of_mass_over_feet_that_rest() {
             assert_ne!(frame.contact, [true, true]);
             let (base, yaw, position, swing) = about(&frame, &mut stream);
             let push = balance.push(&Drawn { base, yaw, position: &position, swing: &swing }, &frame);
-            // The base that a resting foot asks for, by the foot's Jacobian, and the centre of mass a moment
-            // later.
+            // The motion of the base that follows from a resting foot by the foot's Jacobian, and the centre
+            // of mass a moment later.
             let from_foot =
                 |kinematics: &Kinematics| kinematics.com() - kinematics.sole(foot).translation.vector;
             kinematics.place(&leaning(0.0, 0.0, yaw), &frame.position);

@@ -60,7 +60,7 @@ fn without_noise_the_label_of_gravity_compensation_holds_the_pose_on_the_lower_s
     let mut seen = BTreeMap::new();
     for sample in 0..300 {
         let (input, label) = draw(&mut teacher, &format!("test/teacher/{sample}"));
-        // Joint positions and base from what the actor sees.
+        // Joint positions and base from the actor's inputs.
         let shown = |index: usize, scale: f64| scale * f64::from(input[index]);
         let joints = robot.links.iter().enumerate();
         let position: Vec<f64> = joints
@@ -73,7 +73,7 @@ fn without_noise_the_label_of_gravity_compensation_holds_the_pose_on_the_lower_s
         let [left, right] = [0, 1].map(|side| kinematics.sole(side).translation.z);
         let apart = left - right;
         if (apart.abs() - 0.02).abs() < 1e-5 {
-            // The f32 of the input does not say which side of the limit it is on.
+            // The input's f32 does not tell on which side of the limit the value is.
             continue;
         }
         let contact = [apart < 0.02, apart > -0.02];
@@ -168,7 +168,7 @@ fn with_balance_the_label_of_the_reference_carries_its_swing_and_other_poses_are
         });
         differences.collect()
     };
-    // Where the reference's pressure is within the soles (80 % of them), which it is for most of the cycle.
+    // Where the reference's centre of pressure is within the soles (80 % of them), as in most of the cycle.
     let same = furthest(true).into_iter().filter(|difference| *difference < 1e-4).count();
     assert!(same >= 20, "{same} of 40 labels are alike");
     let brought_back = furthest(false).into_iter().filter(|difference| *difference > 0.02).count();
