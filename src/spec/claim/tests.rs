@@ -138,3 +138,46 @@ fn a_claim_is_the_same_when_it_is_made_again_of_its_table() {
         assert_eq!((&again, &read), (&Claim { marks: again.marks.clone(), ..claim }, &again));
     }
 }
+
+/// What is advised for the first `[[claim]]` of a text.
+fn advice(text: &str) -> Vec<String> {
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let source = sources.add("suite.toml", text);
+    let document = crate::syntax::parse(&sources, source, &mut sink).expect("TOML");
+    let Some(Item::List(claims)) = document.table().and_then(|map| map.get("claim")).map(|node| &node.item)
+    else {
+        panic!("a claim");
+    };
+    decode(&claims[0], &mut sink);
+    sink.diagnostics.into_iter().flat_map(|found| found.help).collect()
+}
+
+#[test]
+fn advice_that_is_followed_is_accepted() {
+    let follow = |wrong: &str, advised: &str, right: &str| {
+        let text = with("paper", wrong);
+        let help = advice(&text).concat();
+        assert!(help.contains(advised), "{wrong}: {help}");
+        let found = read(&text.replace(wrong, right)).1;
+        assert!(found.is_empty(), "{right}: {found:?}");
+    };
+    follow("alpha = \"5 %\"", "`alpha = 0.05`", "alpha = 0.05");
+    follow("margin = true", "`margin = 1`", "margin = 1");
+    follow(
+        "paper = \"Exp. 1\"",
+        "`paper = { where = \"...\", value = \"...\" }`",
+        "paper = { where = \"...\", value = \"...\" }",
+    );
+    // What is written already was not meant by a wrong key beside it.
+    let twice = advice(&with("paper", "paper = { where = \"Exp. 1\", value = \"it falls\", weake = true }"));
+    assert_eq!(twice, ["did you mean `weaker`?"]);
+    let third = with(
+        "compare",
+        "compare = { a = \"control=torque\", b = \"control=position\", c = \"control=position\" }",
+    );
+    assert_eq!(advice(&third), ["remove it: the keys here are `a` and `b`"]);
+    let alone = with("compare", "arm = \"control=torque\"");
+    let help = advice(&alone).concat();
+    assert!(help.contains("`expect = \"a > 90 %\"`"), "{help}");
+    assert!(read(&alone.replace("a > b", "a > 90 %")).1.is_empty());
+}
