@@ -421,7 +421,8 @@ fn limits_that_no_motor_has_are_taken_over_and_told() {
         fs::write(&file, urdf().replacen(from, to, count)).unwrap();
         let feet = ["left", "right"].map(|side| format!("{side}_ankle_roll_link"));
         let welded = welded(&file, &Selection { feet: Some(feet), ..Selection::default() });
-        let found = import::issues(&welded, &[]).into_iter().filter(|issue| issue.code == "W0414");
+        let draft = import::Draft { name: "copy", text: "", is_whole: false };
+        let found = import::issues(&welded, &[], draft).into_iter().filter(|issue| issue.code == "W0414");
         found.map(|issue| issue.message).collect::<Vec<_>>()
     };
     assert!(said("", "", 0).is_empty());

@@ -1,6 +1,9 @@
 //! What the checks of a robot find is told by every command that uses it: figures in wrong units, and robots
 //! that cannot stand.
 
+#[path = "robots/findings.rs"]
+mod findings;
+
 use std::fs;
 use std::path::Path;
 use std::process::Output;

@@ -19,6 +19,7 @@ mod exports;
 mod field;
 mod figures;
 mod fine_tuning;
+mod gains;
 mod height;
 mod limits;
 mod observation;
@@ -75,6 +76,7 @@ const RULES: &[fn(&Subject, &mut Sink)] = &[
     budget::the_stop_comes_before_the_end,
     device::devices_suit_the_backend,
     limits::exploration_stays_within_limits,
+    gains::servos_move_their_joints,
     servo::servos_bear_their_delay,
     weights::weights_are_not_zero,
     weights::weights_are_positive,

@@ -11,6 +11,7 @@ use crate::kinds::motion::{self, Frame, Motion, MotionError};
 use crate::kinds::task::Walk;
 use crate::kinds::terminate::Terminations;
 use crate::kinds::terminate::self_collision::SelfCollision as OfSelfCollision;
+use crate::robot::examine;
 use crate::robot::feet::askew;
 use crate::robot::legs::own;
 use crate::robot::{Kinematics, Leg, Robot, SelfCollision};
@@ -102,13 +103,15 @@ pub fn suits(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
     if matches!(error, MotionError::OutOfReach { .. } | MotionError::OutsideLimits { .. })
         && let Some(foot) = askew(robot)
     {
-        sink.emit(diagnostic.help(format!(
-            "{}, and the motion sets feet down flat and ahead: in the robot's file choose default positions \
-             in which both soles are level, \
-             or turn the frame of the link so that z is the normal of the sole and x points forward, as \
-             `specforge robot import` does",
-            foot.in_words()
-        )));
+        let words = foot.in_words();
+        sink.emit(diagnostic.help(match examine::unmirrored(robot) {
+            Some(cause) => format!("{words}, and the motion sets feet down flat and ahead: {cause}"),
+            None => format!(
+                "{words}, and the motion sets feet down flat and ahead: in the robot's file choose default \
+                 positions in which both soles are level, or turn the frame of the link so that z is the \
+                 normal of the sole and x points forward, as `specforge robot import` does"
+            ),
+        }));
         return;
     }
     if let (MotionError::OutOfReach { .. }, Some(bend)) = (error, bent_knees(robot)) {

@@ -7,6 +7,7 @@ use serde_json::json;
 use super::specs::{self, Findings, Variant};
 use super::{Exit, Format, Global, output, suites};
 use crate::diag::{Severity, Sink, Sources};
+use crate::escape::shell;
 use crate::robot;
 use crate::safe_fs;
 use crate::scaffold::{Build, Wish, actions, alone, child, robots, suite, tasks};
@@ -50,9 +51,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         }
         Ok(form) => {
             let file = options.file.display();
+            let argument = shell::argument(&options.file);
             if let Err(exit) = checked(options, global) {
                 let message = format!(
-                    "{file}: written, {form}; it has errors: `specforge check {file}` shows them again"
+                    "{file}: written, {form}; it has errors: `specforge check {argument}` shows them again"
                 );
                 output::note(global, &message);
                 return exit;
@@ -60,7 +62,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             if global.format == Format::Json {
                 output::json(&json!({ "file": options.file, "form": form }));
             }
-            let next = format!("specforge check {file}, then specforge run {file} --profile quick");
+            let next = format!("specforge check {argument}, then specforge run {argument} --profile quick");
             output::note(global, &format!("{file}: written, {form}; next: {next}"));
             Exit::Ok
         }
@@ -107,7 +109,7 @@ fn write(options: &Options, global: &Global) -> Result<String, Refusal> {
     if !folder.is_dir() {
         return refuse(
             format!("there is no folder `{}`", folder.display()),
-            format!("`mkdir -p {}` makes it", folder.display()),
+            format!("`mkdir -p {}` makes it", shell::argument(folder)),
         );
     }
     if let Some(spec) = &options.suite {
@@ -234,7 +236,7 @@ fn unsound(path: &Path, sink: &Sink) -> Refusal {
     };
     Refusal {
         message: format!("the robot cannot be used{}{more}", first.unwrap_or_default()),
-        advice: format!("`specforge robot show {}` says what to fix or to fill in", path.display()),
+        advice: format!("`specforge robot show {}` says what to fix or to fill in", shell::argument(path)),
         exit: Exit::Invalid,
     }
 }

@@ -5,6 +5,7 @@
 pub mod graph;
 mod hidden;
 pub mod markdown;
+pub mod shell;
 pub mod terminal;
 pub mod toml;
 pub mod xml;

@@ -146,7 +146,7 @@ pub(super) fn inertia(tensor: &Matrix3<f64>) -> Option<String> {
 }
 
 /// Limits, drive and default position of a joint.
-fn joint(path: &str, joint: &Joint) -> Vec<Issue> {
+pub(super) fn joint(path: &str, joint: &Joint) -> Vec<Issue> {
     let mut issues = Vec::new();
     let name = &joint.name;
     let mut fault = |key: &str, message: String, help: &str| {

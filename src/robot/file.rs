@@ -223,8 +223,7 @@ pub fn from_table(name: &str, table: &Table) -> (Option<Robot>, Vec<Issue>) {
             issues.extend(other_images(&robot, &mirror, &file));
             robot.mirror = mirror;
         }
-        // Feet that do not lie left and right are the cause of whatever else the sides do not have in common.
-        Err(unpaired) => issues.push(examine::sides(&robot).unwrap_or_else(|| no_image(&robot, &unpaired))),
+        Err(unpaired) => issues.push(unmirrored(&robot, &unpaired)),
     }
     if !issues.is_empty() {
         return (None, issues);
@@ -232,6 +231,12 @@ pub fn from_table(name: &str, table: &Table) -> (Option<Robot>, Vec<Issue>) {
     robot.standing_height = symmetry::standing_height(&robot);
     let issues = examine::issues(examine::all(&robot));
     (Some(robot), issues)
+}
+
+/// Two sides that do not mirror each other. Feet that do not lie left and right are the cause of whatever
+/// else the sides do not have in common.
+pub(super) fn unmirrored(robot: &Robot, unpaired: &Unpaired) -> Issue {
+    examine::sides(robot).unwrap_or_else(|| no_image(robot, unpaired))
 }
 
 /// A joint that has no image.

@@ -36,6 +36,28 @@ pub fn diagnostic(issue: &Issue, marks: &Marks) -> Diagnostic {
     if issue.help.is_empty() { found } else { found.help(issue.help.as_str()) }
 }
 
+/// Everything that is wrong with the text of a robot's file, or suspicious in it, as `robot show` tells it.
+/// What is wrong with the text itself has its line as its path.
+pub fn issues(name: &str, text: &str) -> Vec<Issue> {
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let source = sources.add(format!("{name}.toml"), text);
+    let decoded = decode::document(&sources, source, PARAMS, &mut sink);
+    let mut issues: Vec<Issue> = sink.diagnostics.iter().map(|told| of_text(told, &sources)).collect();
+    issues.extend(decoded.into_iter().flat_map(|decoded| file::from_table(name, &decoded.table).1));
+    issues
+}
+
+/// A diagnostic of a robot's text as an issue.
+fn of_text(told: &Diagnostic, sources: &Sources) -> Issue {
+    let line = told.labels.first().map(|label| sources.positions(label.span)[0].line);
+    Issue {
+        code: told.code,
+        path: line.map_or_else(String::new, |line| format!("line {line}")),
+        message: told.message.clone(),
+        help: told.help.join("; "),
+    }
+}
+
 /// A robot that comes with specforge.
 pub fn shipped(name: &str) -> Option<Robot> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use regex::Regex;
+use specforge::diag::render::{Look, human};
 use specforge::diag::{Sink, Sources};
 use specforge::robot::import::{self, Folder, Hinge, Selection, Welded};
 
@@ -910,4 +911,104 @@ fn a_passive_joint_is_welded_where_its_spring_is_at_rest() {
     let at_key = read("xml", &sprung("-0.4", key), &joints());
     assert!(!at_key.notes.iter().any(|note| note.contains("springs are at rest")), "{:?}", at_key.notes);
     told(&at_key, "welded at the positions of the key frame `home`: `port_ankle` at -0.2 rad");
+}
+
+/// The diagnostics of a description that is read and welded, warnings too.
+fn diagnosed(ending: &str, text: &str) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join(format!("heron.{ending}"));
+    fs::write(&file, text).unwrap();
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let tree = import::read(&file, &Folder::around(&file).unwrap(), &mut sources, &mut sink);
+    let _ = tree.and_then(|tree| import::weld(&tree, &Selection::default(), &mut sink));
+    human(&sources, &sink.diagnostics, Look::default())
+}
+
+#[test]
+fn a_motor_with_a_gear_or_a_gain_of_zero_leaves_its_limit_to_be_filled_in() {
+    let weak = "name=\"port_knee\" joint=\"port_knee\" gear=\"50\"";
+    for (from, to) in [
+        (weak, "name=\"port_knee\" joint=\"port_knee\" gear=\"0\""),
+        (weak, "name=\"port_knee\" joint=\"port_knee\" gear=\"0 0 0 50 0 0\""),
+    ] {
+        let welded = mjcf(&[(from, to)]);
+        assert_eq!(hinge(&welded, "port_knee").effort_limit, None, "{to}");
+        assert_eq!(hinge(&welded, "star_knee").effort_limit, Some(50.0));
+        assert_eq!(told(&welded, "limits of zero"), told(&welded, "effort of `port_knee`"));
+    }
+    let general = MJCF.replace(
+        "<motor name=\"port_knee\" joint=\"port_knee\" gear=\"50\" ctrlrange=\"-1 1\"/>",
+        "<general name=\"port_knee\" joint=\"port_knee\" gear=\"50\" gainprm=\"0\" ctrlrange=\"-1 1\"/>",
+    );
+    let welded = read("xml", &general, &Selection::default());
+    assert_eq!(hinge(&welded, "port_knee").effort_limit, None);
+}
+
+#[test]
+fn a_key_frame_has_as_many_positions_as_the_file() {
+    let with = |positions: &str| {
+        MJCF.replace(
+            "</mujoco>",
+            &format!("<keyframe><key name=\"home\" qpos=\"{positions}\"/></keyframe></mujoco>"),
+        )
+    };
+    let right = with("0 0 0.5 1 0 0 0 -0.3 0.6 -0.3 -0.3 0.6 -0.3");
+    assert!(!diagnosed("xml", &right).contains("error"), "{}", diagnosed("xml", &right));
+    for (positions, count) in [
+        ("0 0 0.5 1 0 0 0", 7),
+        ("-0.3 0.6 -0.3 -0.3 0.6 -0.3", 6),
+        ("0 0 0.5 1 0 0 0 -0.3 0.6 -0.3 -0.3 0.6", 12),
+        ("0 0 0.5 1 0 0 0 -0.3 0.6 -0.3 -0.3 0.6 -0.3 0", 14),
+    ] {
+        let said = refused("xml", &with(positions));
+        let expected =
+            format!("`qpos` of the key frame `home` has {count} numbers, and the file has 13 positions");
+        assert!(said.contains("error[E0411]") && said.contains(&expected), "{said}");
+    }
+}
+
+#[test]
+fn a_robot_floats_once() {
+    let free = "<joint name=\"port_knee\" axis=\"0 1 0\" range=\"0 2.2\" />";
+    for (text, expected) in [
+        (MJCF.replace("<freejoint/>", "<freejoint/><freejoint name=\"again\"/>"), "`hull` has 2 free joints"),
+        (
+            MJCF.replace("<freejoint/>", "<freejoint/><joint name=\"more\" axis=\"0 0 1\"/>"),
+            "`hull` has a free joint and other joints beside it",
+        ),
+        (MJCF.replace(free, "<freejoint/>"), "`port_shank` has a free joint and hangs on another body"),
+        (
+            MJCF.replace(free, "<joint name=\"port_knee\" type=\"free\"/>"),
+            "`port_shank` has a free joint and hangs on another body",
+        ),
+        (
+            MJCF.replace(
+                "</worldbody>",
+                "<body name=\"ball\"><freejoint/><geom size=\"0.1\"/></body></worldbody>",
+            ),
+            "several bodies of the world have free joints",
+        ),
+    ] {
+        let said = refused("xml", &text);
+        assert!(said.contains("error[E0412]") && said.contains(expected), "{said}");
+    }
+}
+
+#[test]
+fn ranges_in_degrees_that_look_like_radians_are_told() {
+    let silent = MJCF.replace(" angle=\"radian\"", "");
+    let said = diagnosed("xml", &silent);
+    assert!(
+        said.contains("warning[W0425]: no joint turns further than 2.2 degrees: <compiler> says no"),
+        "{said}"
+    );
+    let said = diagnosed("xml", &MJCF.replace("\"radian\"", "\"degree\""));
+    assert!(said.contains("warning[W0425]") && said.contains("`angle` is degree"), "{said}");
+    let said = diagnosed("xml", &MJCF.replace("<compiler angle=\"radian\"/>", ""));
+    assert!(said.contains("warning[W0425]"), "{said}");
+    assert!(!diagnosed("xml", MJCF).contains("W0425"));
+    // Ranges that are degrees.
+    let degrees =
+        silent.replace("-1.5 0.9", "-86 52").replace("0 2.2", "0 126").replace("-1.1 0.9", "-63 52");
+    assert!(!diagnosed("xml", &degrees).contains("W0425"), "{}", diagnosed("xml", &degrees));
 }

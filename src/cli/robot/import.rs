@@ -8,11 +8,12 @@ use regex::Regex;
 use crate::cli::specs::{self, Findings};
 use crate::cli::{Exit, Format, Global, output};
 use crate::diag::{Diagnostic, Severity, Sink, Sources};
+use crate::escape::shell;
 use crate::escape::terminal::one_line;
 use crate::format::{self, Order, Sort};
 use crate::kinds::vocabulary::vocabulary;
 use crate::quantity::parse::{quantity, quantity_of};
-use crate::robot::import::{self, Fill, Folder, Origin, Selection, Welded, Written};
+use crate::robot::import::{self, Draft, Fill, Folder, Origin, Selection, Welded, Written};
 use crate::robot::summary::Finding;
 use crate::robot::{self, Issue};
 use crate::safe_fs;
@@ -70,16 +71,23 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         return Exit::Usage;
     }
     let path = options.output.clone().unwrap_or_else(|| PathBuf::from(format!("robots/{name}.toml")));
-    let root = options.root.as_deref();
-    let folder = match root.map_or_else(|| Folder::around(&options.file), Folder::new) {
+    let folder = match &options.root {
+        Some(root) => Folder::new(root).map_err(|error| {
+            (
+                format!("--root `{}`: {error}", root.display()),
+                "--root names the folder from which meshes and included files may be read, and no body: \
+                 the base is the first body with \
+                 mass, and --feet names the feet",
+            )
+        }),
+        None => Folder::around(&options.file).map_err(|error| {
+            (format!("{}: {error}", options.file.display()), "name a URDF or MJCF file that is there")
+        }),
+    };
+    let folder = match folder {
         Ok(folder) => folder,
-        Err(error) => {
-            let shown = root.unwrap_or(&options.file).display();
-            output::complain(
-                global,
-                &format!("{shown}: {error}"),
-                Some("name a URDF or MJCF file that is there"),
-            );
+        Err((message, advice)) => {
+            output::complain(global, &message, Some(advice));
             return Exit::Usage;
         }
     };
@@ -108,7 +116,8 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         output::complain(global, &message, Some("write elsewhere with --output, or move the file away"));
         return Exit::Usage;
     }
-    let issues = import::issues(&welded, &options.fill);
+    let draft = Draft { name: &name, text: &text, is_whole: written.missing.is_empty() };
+    let issues = import::issues(&welded, &options.fill, draft);
     match global.format {
         Format::Json => output::json(&serde_json::json!({
             "robot": path.display().to_string(),
@@ -118,7 +127,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             "notes": written.notes,
             "findings": issues.into_iter().map(Finding::from).collect::<Vec<_>>(),
         })),
-        _ => output::data(&(summary(&path, &welded, &written) + &findings(&issues))),
+        _ => {
+            let told = summary(&path, &welded, &written) + &findings(&issues);
+            output::data(&(told + &next(&path, &written, &issues)));
+        }
     }
     Exit::Ok
 }
@@ -225,16 +237,33 @@ fn summary(path: &Path, welded: &Welded, written: &Written) -> String {
         text += "remarks:\n";
         written.notes.iter().for_each(|note| text += &one_line(&format!("  {note}")));
     }
-    if written.missing.is_empty() {
-        return text + &one_line(&format!("nothing is missing; `specforge robot show {shown}` checks it"));
-    }
-    text += &format!(
-        "{} figures are not in the source; they are commented lines in the file, listed at its head.\nFill \
-         them in, then `specforge robot show {shown}` checks the robot; `--fill KEY=VALUE` fills a figure of \
-         all joints.\n",
-        written.missing.len()
-    );
     text
+}
+
+/// What is left to do.
+fn next(path: &Path, written: &Written, issues: &[Issue]) -> String {
+    let show = format!("`specforge robot show {}`", shell::argument(path));
+    let errors = issues.iter().filter(|issue| issue.severity() == Severity::Error).count();
+    let warnings = issues.len() - errors;
+    let counted = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+    if !written.missing.is_empty() {
+        return format!(
+            "{} are not in the source; they are commented lines in the file, listed at its head.\nFill \
+             them in, then {show} \
+             checks the robot; `--fill KEY=VALUE` fills a figure of all joints.\n",
+            counted(written.missing.len(), "figure")
+        );
+    }
+    one_line(&match (errors, warnings) {
+        (0, 0) => format!("nothing is missing, and {show} passes"),
+        (0, _) => format!("nothing is missing; {show} passes with {}", counted(warnings, "warning")),
+        (1, _) => {
+            format!("the robot cannot be used yet: fix the error in the file, then {show} checks it again")
+        }
+        _ => format!(
+            "the robot cannot be used yet: fix the {errors} errors in the file, then {show} checks it again"
+        ),
+    })
 }
 
 /// What the robot's checks found, each with its fix.

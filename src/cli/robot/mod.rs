@@ -1,6 +1,7 @@
 //! `specforge robot show NAME`: masses, limits, symmetry and checks of a robot; `robot import FILE`.
 
 mod import;
+mod sort;
 
 use std::path::PathBuf;
 
@@ -49,8 +50,7 @@ fn look_up(wanted: &str, global: &Global) -> Exit {
     let (name, place, text) = match find(wanted) {
         Ok(found) => found,
         Err(Lost::Nowhere(message)) => {
-            let names = robot::names().collect::<Vec<_>>().join(", ");
-            output::complain(global, &message, Some(&format!("specforge comes with {names}")));
+            output::complain(global, &message, Some(&sort::instead(wanted)));
             return Exit::Usage;
         }
         Err(Lost::Unreadable(diagnostic)) => {
@@ -59,6 +59,10 @@ fn look_up(wanted: &str, global: &Global) -> Exit {
         }
     };
     let vocabulary = vocabulary();
+    if let Some(other) = sort::other(&place, &text, &vocabulary) {
+        output::complain(global, &other.message, Some(&other.advice));
+        return Exit::Usage;
+    }
     let shelf = load::robots(&vocabulary);
     let replaces = shelf.replaces(&name, &text);
     if replaces {

@@ -79,11 +79,11 @@ const JOINT: [Bound; 9] = [
 const TURNS: &str = "write the range that the joint may use in rad: positions are commanded within it";
 
 /// Largest mass of a body in kg: ten times the heaviest walking machines.
-const MASS: f64 = 1e5;
+pub const MASS: f64 = 1e5;
 /// Largest moment of inertia in kg m^2: that of the heaviest body at 10 m.
-const INERTIA: f64 = 1e7;
+pub const INERTIA: f64 = 1e7;
 /// Largest length in m.
-const LENGTH: f64 = 100.0;
+pub const LENGTH: f64 = 100.0;
 
 /// No figure is beyond its bound.
 pub fn check(robot: &Robot) -> Examined {

@@ -8,14 +8,20 @@
 mod bounds;
 mod drive;
 mod hold;
+mod level;
+mod mirrored;
 mod pairs;
 mod pose;
 mod scale;
+mod servo;
 mod sides;
 mod size;
 
 #[cfg(test)]
 mod tests;
+
+pub use bounds::{INERTIA, LENGTH, MASS};
+pub use servo::{CODE as SERVO, Weak, weak};
 
 use crate::robot::checks::Issue;
 use crate::robot::model::Robot;
@@ -40,6 +46,7 @@ pub fn all(robot: &Robot) -> Vec<Examined> {
         found.push(pairs::check(robot));
         found.extend(pose::checks(robot));
         found.push(hold::check(robot));
+        found.push(servo::check(robot));
     }
     found
 }
@@ -61,6 +68,12 @@ pub fn default_pose(robot: &Robot) -> Vec<Examined> {
 /// Feet that do not lie left and right (E0426): the cause where the sides have nothing in common.
 pub fn sides(robot: &Robot) -> Option<Issue> {
     sides::issue(robot)
+}
+
+/// Why the two sides do not stand alike: default positions that do not mirror each other, with those to
+/// write.
+pub fn unmirrored(robot: &Robot) -> Option<String> {
+    mirrored::cause(robot).map(|cause| cause.help)
 }
 
 /// Everything that was found.

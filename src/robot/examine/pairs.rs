@@ -1,7 +1,7 @@
 //! W0417: figures that differ between a joint or body and its mirror image. One of them is usually a slip of
 //! the file.
 
-use super::{Examined, Outlier, path_of, worst};
+use super::{Examined, Outlier, level, mirrored, path_of, worst};
 use crate::robot::checks::Issue;
 use crate::robot::model::{Joint, Robot};
 
@@ -10,6 +10,9 @@ use crate::robot::model::{Joint, Robot};
 const SHARE: f64 = 0.1;
 /// Difference of limits in rad up to which the two sides agree.
 const ANGLE: f64 = 0.1;
+
+/// Difference of default positions in rad up to which the two sides agree.
+const POSE: f64 = 0.02;
 
 /// A figure of a joint that its mirror image has too.
 struct Figure {
@@ -88,6 +91,12 @@ fn joints(robot: &Robot, pair: [usize; 2], sign: f64) -> Vec<Outlier> {
         );
         let excess = off / (one.upper - one.lower).max(other.upper - other.lower);
         found.push(Outlier { excess, path: format!("links.{}.joint.lower", pair[1]), message });
+    }
+    let (apart, message) = mirrored::difference(robot, pair, sign);
+    // Where the soles are off the pose itself is told, with the positions to write.
+    if apart > POSE && level::is_level(robot) {
+        let excess = apart / (one.upper - one.lower).max(other.upper - other.lower);
+        found.push(Outlier { excess, path: format!("links.{}.joint.default_position", pair[1]), message });
     }
     found
 }

@@ -1,9 +1,8 @@
 //! E0420 to E0423 and W0416: whether the robot stands in its default pose, base upright. Episodes begin
 //! there.
 
-use nalgebra::{Isometry3, Matrix3, Rotation3, Unit, UnitQuaternion, Vector3};
-
-use super::{Examined, Outlier, path_of, worst};
+use super::level::{self, APART, TILT, tilt};
+use super::{Examined, Outlier, mirrored, path_of, worst};
 use crate::robot::checks::Issue;
 use crate::robot::kinematics::Kinematics;
 use crate::robot::legs;
@@ -12,12 +11,6 @@ use crate::robot::self_collision::{Pair, SelfCollision};
 use crate::robot::solid::{pose, solid};
 use crate::robot::support::Support;
 
-/// Steepest tilt of a sole in rad: its edge stands 2 mm high at a length of 0.2 m, as much as contacts give.
-/// Three positions that are rounded to a hundredth stay below it.
-const TILT: f64 = 0.01;
-/// Largest difference of the soles' heights in m, that by which left and right may miss each other's mirror
-/// image.
-const APART: f64 = 2e-3;
 /// Depth in m by which a body other than a foot may be below the soles.
 const DEPTH: f64 = 1e-3;
 /// Bodies on one chain that are at most so many joints apart may overlap: the joints of a hip share one
@@ -30,12 +23,6 @@ const SIDES: [&str; 2] = ["left", "right"];
 pub fn checks(robot: &Robot) -> Vec<Examined> {
     let kinematics = Kinematics::new(robot);
     vec![soles(robot, &kinematics), support(&kinematics), ground(robot, &kinematics), overlaps(robot)]
-}
-
-/// Tilt of a sole in rad and its normal.
-fn tilt(kinematics: &Kinematics, side: usize) -> (f64, Vector3<f64>) {
-    let normal = kinematics.sole(side).rotation * Vector3::z();
-    (libm::atan2(libm::hypot(normal.x, normal.y), normal.z), normal)
 }
 
 /// The soles are flat and at one height (E0420).
@@ -52,19 +39,26 @@ fn soles(robot: &Robot, kinematics: &Kinematics) -> Examined {
         } else {
             format!("the {side} sole is tilted by {degrees:.1} deg in the default pose")
         };
-        let help = level(robot, kinematics, steepest);
-        issues.push(Issue { code: "E0420", path: format!("feet.{side}"), message, help });
+        let advice = || level::advice(robot, kinematics, steepest);
+        let alone = tilts.iter().any(|tilt| *tilt <= TILT);
+        let (path, help) = match mirrored::cause(robot) {
+            // A frame that is turned this far is no matter of positions.
+            Some(cause) if tilts[steepest] <= level::FRAME || cause.levels => (cause.path, cause.help),
+            None if alone && mirrored::is_known(robot) => {
+                (format!("feet.{side}"), level::turned(robot, steepest))
+            }
+            _ => (format!("feet.{side}"), advice()),
+        };
+        issues.push(Issue { code: "E0420", path, message, help });
     } else if apart > APART {
         let lower = SIDES[usize::from(heights[1] < heights[0])];
-        issues.push(Issue {
-            code: "E0420",
-            path: "feet".to_owned(),
-            message: format!(
-                "the {lower} sole is {:.1} mm below the other one in the default pose",
-                1e3 * apart
-            ),
-            help: "give both legs mirrored default positions, and both feet the same box".to_owned(),
-        });
+        let message =
+            format!("the {lower} sole is {:.1} mm below the other one in the default pose", 1e3 * apart);
+        let (path, help) = match mirrored::cause(robot) {
+            Some(cause) => (cause.path, cause.help),
+            None => ("feet".to_owned(), boxes(robot)),
+        };
+        issues.push(Issue { code: "E0420", path, message, help });
     }
     Examined {
         name: "soles are flat and level in the default pose",
@@ -73,78 +67,18 @@ fn soles(robot: &Robot, kinematics: &Kinematics) -> Examined {
     }
 }
 
-/// How to level a sole: by the joint next to the foot that turns about the right axis, else by its frame or
-/// its leg.
-fn level(robot: &Robot, kinematics: &Kinematics, side: usize) -> String {
-    let (tilt, normal) = tilt(kinematics, side);
-    let foot = &robot.links[robot.feet[side].link].body.name;
-    if tilt > std::f64::consts::FRAC_PI_4 {
-        return format!(
-            "turn the frame of `{foot}`: the z axis of a foot is the normal of its sole, x points forward"
-        );
+/// What helps where one sole is lower and the positions of both legs mirror each other.
+fn boxes(robot: &Robot) -> String {
+    let below = robot.feet.each_ref().map(|foot| -1e3 * foot.sole());
+    if (below[0] - below[1]).abs() <= 1e3 * APART {
+        return "give both legs mirrored default positions, and both feet the same box".to_owned();
     }
-    let needed = Unit::try_new(normal.cross(&Vector3::z()), 1e-12);
-    let levels = |index: usize| {
-        let joint = &robot.links[index].joint;
-        let along = needed?.dot(kinematics.axis(index));
-        let position = joint.default_position + along.signum() * tilt;
-        (along.abs() > 0.99 && (joint.lower..=joint.upper).contains(&position))
-            .then_some((&joint.name, position))
-    };
-    match legs::own(kinematics, side).into_iter().find_map(levels) {
-        // The zero takes the sign from a rounded zero.
-        Some((joint, position)) => {
-            let position = (1e4 * position).round() / 1e4 + 0.0;
-            format!(
-                "write `default_position = \"{position} rad\"` for joint `{joint}`, and mirrored for the \
-                other leg"
-            )
-        }
-        None => levelled(robot, side).unwrap_or_else(|| {
-            format!(
-                "choose default positions of the leg that level the sole, or turn the frame of `{foot}` \
-                 until its z axis is the \
-                 sole's normal"
-            )
-        }),
-    }
-}
-
-/// Positions of a leg, by inverse kinematics, in which the foot is where it is and level. `None` where the
-/// leg does not reach that.
-fn levelled(robot: &Robot, side: usize) -> Option<String> {
-    let mut kinematics = Kinematics::new(robot);
-    let foot = *kinematics.pose(robot.feet[side].link);
-    let z = Vector3::z();
-    let x = foot.rotation * Vector3::x();
-    let x = Unit::try_new(x - z * x.z, 1e-3)?.into_inner();
-    let turn = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, z.cross(&x), z]));
-    let target = Isometry3::from_parts(foot.translation, UnitQuaternion::from_rotation_matrix(&turn));
-    let mut position = robot.default_pose();
-    let leg = legs::own(&kinematics, side);
-    let residual = legs::reach(&mut kinematics, side, &target, &mut position);
-    let within = |joint: &usize| {
-        let own = &robot.links[*joint].joint;
-        (own.lower..=own.upper).contains(&position[*joint])
-    };
-    if residual.is_nan() || residual > 1e-9 || !leg.iter().all(within) {
-        return None;
-    }
-    let rounded = |joint: usize| (1e4 * position[joint]).round() / 1e4 + 0.0;
-    let changed = leg
-        .into_iter()
-        .rev()
-        .filter(|joint| (rounded(*joint) - robot.links[*joint].joint.default_position).abs() > 5e-5);
-    let positions: Vec<String> = changed
-        .map(|joint| format!("\"{} rad\" for `{}`", rounded(joint), robot.links[joint].joint.name))
-        .collect();
-    (!positions.is_empty()).then(|| {
-        format!(
-            "write these default positions, which level the sole where it is, and mirrored for the other \
-             leg: {}",
-            positions.join(", ")
-        )
-    })
+    format!(
+        "give both feet the same box: its lower face is {:.1} mm below the origin of the left foot and \
+         {:.1} mm below that of the \
+         right one",
+        below[0], below[1]
+    )
 }
 
 /// The centre of mass is above the support polygon (E0421).

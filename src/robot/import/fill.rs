@@ -6,6 +6,7 @@ use regex::Regex;
 
 use super::tree::Hinge;
 use super::welded::Welded;
+use crate::quantity::parse::quantity;
 
 /// A figure for joints whose source does not say it.
 #[derive(Clone, Debug)]
@@ -71,4 +72,15 @@ pub(super) fn gives<'a>(
 /// The figure that is filled in for a key of a joint of this tree.
 pub(super) fn filled<'a>(fills: &'a [Fill], hinge: &Hinge, key: &str, welded: &Welded) -> Option<&'a Fill> {
     fills.iter().rfind(|fill| gives(fill, key, hinge, welded.hinges()))
+}
+
+/// A figure of a joint in SI units: that of the file, or else the one that is filled in; `None` where neither
+/// says it.
+pub(super) fn figure(
+    key: &str,
+    hinge: &Hinge,
+    known: Option<f64>,
+    (fills, welded): (&[Fill], &Welded),
+) -> Option<f64> {
+    known.or_else(|| quantity(&filled(fills, hinge, key, welded)?.value).ok().map(|filled| filled.si))
 }

@@ -1,6 +1,6 @@
 //! The folder that an import may read from, and the files that a description names in it.
 
-use std::io;
+use std::io::{self, ErrorKind};
 use std::path::{Component, Path, PathBuf};
 
 /// A folder; nothing outside it is opened.
@@ -22,9 +22,10 @@ pub enum Place {
 }
 
 impl Folder {
-    /// A folder that exists.
+    /// A folder that exists; a file is none.
     pub fn new(root: &Path) -> io::Result<Self> {
-        Ok(Self { root: root.canonicalize()? })
+        let root = root.canonicalize()?;
+        if root.is_dir() { Ok(Self { root }) } else { Err(ErrorKind::NotADirectory.into()) }
     }
 
     /// The folder that belongs to a file: the ROS package that it is in (the nearest folder with a

@@ -40,7 +40,7 @@ use std::path::Path;
 pub use block::Block;
 pub use fill::{Fill, fillable};
 pub use folder::{Folder, Place};
-pub use judged::issues;
+pub use judged::{Draft, issues};
 pub use selection::Selection;
 pub use tree::{Hinge, MeshBox, Part, Shapes, Tie, Tree, Weight};
 pub use weld::weld;

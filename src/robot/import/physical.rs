@@ -4,6 +4,7 @@ use nalgebra::Matrix3;
 
 use super::tree::{Hinge, Part, Tree};
 use crate::diag::{Diagnostic, Sink, Span};
+use crate::robot::examine::{INERTIA, LENGTH, MASS};
 
 /// A figure that no rigid body or joint has.
 pub(super) fn impossible(message: String, span: Span) -> Diagnostic {
@@ -13,6 +14,10 @@ pub(super) fn impossible(message: String, span: Span) -> Diagnostic {
 /// Tells what is impossible.
 pub(super) fn check(tree: &Tree, sink: &mut Sink) {
     for part in &tree.parts {
+        if let Some((message, help, span)) = beyond(part) {
+            sink.emit(Diagnostic { code: "E0424", ..placed(message, span) }.help(help));
+            continue;
+        }
         for (message, help) in body(part) {
             sink.emit(placed(message, part.span).help(help));
         }
@@ -27,6 +32,31 @@ fn placed(message: String, span: Option<Span>) -> Diagnostic {
         Some(span) => impossible(message, span),
         None => Diagnostic::error("E0405", message),
     }
+}
+
+/// Distance in m from which on nothing can be computed; what is beyond [`LENGTH`] is told when the robot is
+/// written.
+const FAR: f64 = 1e6;
+
+/// A figure of a body that no machine has, and with which nothing can be computed: what it is, the help, and
+/// its place.
+fn beyond(part: &Part) -> Option<(String, &'static str, Option<Span>)> {
+    let (name, mass, moment) = (&part.body.name, part.body.mass, part.body.inertia.amax());
+    let far = |away: f64, what: String, span: Option<Span>| {
+        let help = "write lengths in m: multiply those of a file in millimetres by 0.001";
+        (away > FAR).then(|| (format!("{what} is {away:e} m away, more than {LENGTH} m"), help, span))
+    };
+    if mass > MASS {
+        let message = format!("the mass of `{name}` is {mass:e} kg, more than {MASS:e} kg");
+        return Some((message, "write it in kg", part.span));
+    }
+    if moment > INERTIA {
+        let message = format!("the inertia of `{name}` is {moment:e} kg m^2, more than {INERTIA:e} kg m^2");
+        return Some((message, "write moments of inertia about the centre of mass in kg m^2", part.span));
+    }
+    let joint = part.hinge.as_ref().and_then(|hinge| hinge.span).or(part.span);
+    far(part.body.com.coords.amax(), format!("the centre of mass of `{name}`"), part.span)
+        .or_else(|| far(part.pose.translation.vector.amax(), format!("`{name}`"), joint))
 }
 
 /// A body of a file may be a point or a frame, and one that is welded may be unsound by itself: what moves is

@@ -256,14 +256,43 @@ fn kept(tree: &Tree, selection: &Selection) -> Result<Vec<bool>, Diagnostic> {
     }
     // Feet that are named and hang on no joint are told by their names.
     if count == 0 && (selection.joints.is_some() || selection.feet.is_none()) {
-        let names = tree.joints().into_iter().take(60).collect::<Vec<_>>().join(", ");
-        let message = match &selection.joints {
-            Some(pattern) => format!("--joints `{pattern}` matches no joint"),
-            None => "the file has no revolute joint".to_owned(),
-        };
-        return Err(Diagnostic::error("E0402", message).help(format!("the joints of the file are: {names}")));
+        return Err(no_joint(tree, selection));
     }
     Ok(kept)
+}
+
+/// Nothing is kept (E0402).
+fn no_joint(tree: &Tree, selection: &Selection) -> Diagnostic {
+    let joints = tree.parts.iter().filter_map(|part| part.hinge.as_ref());
+    let names: Vec<String> = joints
+        .map(|hinge| match &hinge.other {
+            Some(kind) => format!("`{}` ({kind})", hinge.name),
+            None => format!("`{}`", hinge.name),
+        })
+        .collect();
+    let message = match &selection.joints {
+        Some(pattern) => format!("--joints `{pattern}` matches no joint"),
+        None if names.is_empty() => {
+            "the file has no joint: all its bodies are fixed to each other".to_owned()
+        }
+        None => "the file has no revolute joint".to_owned(),
+    };
+    let help = if names.is_empty() {
+        "a robot has motors at revolute joints: make those of the legs `revolute` (URDF) or give their \
+         bodies a hinge (MJCF)"
+            .to_owned()
+    } else {
+        format!("the joints of the file are {}", first(&names, 60))
+    };
+    Diagnostic::error("E0402", message).help(help)
+}
+
+/// Of some texts the first, and the number of the others.
+fn first(texts: &[String], shown: usize) -> String {
+    match texts.len().saturating_sub(shown) {
+        0 => texts.join(", "),
+        more => format!("{} and {more} more", texts[..shown].join(", ")),
+    }
 }
 
 /// Of every body of the file whether a foot hangs on it.

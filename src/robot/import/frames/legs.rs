@@ -3,11 +3,13 @@
 
 use nalgebra::{Isometry3, Vector3};
 
-use super::super::fill::{Fill, filled};
+use super::super::fill::{Fill, figure};
+use super::super::tree::Hinge;
 use super::super::welded::Welded;
-use crate::quantity::Dimension;
-use crate::quantity::parse::quantity_of;
 use crate::robot::{Kinematics, legs};
+
+/// Distance in rad of a default position from the joint's limits up to which it is rounded.
+const BEYOND: f64 = 1e-4;
 
 /// Both legs, in the order in which the feet are given.
 #[derive(Clone, Debug)]
@@ -18,7 +20,8 @@ pub(super) struct Legs {
     pub own: [Vec<usize>; 2],
     /// Poses of all links with all joints at zero.
     pub straight: Vec<Isometry3<f64>>,
-    /// Poses of all links in the default pose, where a joint without a default position is at zero.
+    /// Poses of all links in the default pose, where a joint without a default position is at zero; all are
+    /// where one is outside of its limits.
     pub posed: Vec<Isometry3<f64>>,
     /// Axes of all joints with all joints at zero.
     pub axes: Vec<Vector3<f64>>,
@@ -28,6 +31,8 @@ pub(super) struct Legs {
     pub coms: [Option<Vector3<f64>>; 2],
     /// Names of the bodies and joints of each leg.
     pub names: [Vec<String>; 2],
+    /// Names of the joints whose default positions are outside of their limits.
+    pub outside: Vec<String>,
     ranges: Vec<Option<[f64; 2]>>,
 }
 
@@ -41,15 +46,21 @@ impl Legs {
             kinematics.place(&Isometry3::identity(), position);
             (0..position.len()).map(|link| *kinematics.pose(link)).collect()
         };
-        let defaults: Vec<Option<f64>> = welded
-            .links
-            .iter()
-            .map(|link| {
-                let fill = || filled(fills, &link.hinge, "default_position", welded);
-                let given = || quantity_of(&fill()?.value, Dimension::ANGLE).ok();
-                link.hinge.default_position.or_else(given)
-            })
-            .collect();
+        let given = |key: &str, hinge: &Hinge, known: Option<f64>| figure(key, hinge, known, (fills, welded));
+        let mut defaults: Vec<Option<f64>> =
+            welded.hinges().map(|hinge| given("default_position", hinge, hinge.default_position)).collect();
+        let beyond = |(hinge, position): (&Hinge, &Option<f64>)| {
+            let lower = given("lower", hinge, hinge.lower).unwrap_or(f64::NEG_INFINITY);
+            let upper = given("upper", hinge, hinge.upper).unwrap_or(f64::INFINITY);
+            position
+                .filter(|position| *position < lower - BEYOND || *position > upper + BEYOND)
+                .map(|_| hinge.name.clone())
+        };
+        let outside: Vec<String> = welded.hinges().zip(&defaults).filter_map(beyond).collect();
+        // A pose that the robot cannot have says nothing of its frames.
+        if !outside.is_empty() {
+            defaults.iter_mut().for_each(|position| *position = None);
+        }
         let positions: Vec<f64> = defaults.iter().map(|position| position.unwrap_or(0.0)).collect();
         let posed = poses(&positions);
         let straight = poses(&vec![0.0; positions.len()]);
@@ -74,7 +85,7 @@ impl Legs {
                 .then(|| masses().map(|(mass, joint)| place(joint) * mass).sum::<Vector3<f64>>() / whole)
         });
         let ranges = welded.links.iter().map(|link| Some([link.hinge.lower?, link.hinge.upper?])).collect();
-        Self { feet, own, straight, posed, axes, known, coms, names, ranges }
+        Self { feet, own, straight, posed, axes, known, coms, names, outside, ranges }
     }
 
     /// The middle of a joint's range in rad, where the file has one.

@@ -26,6 +26,7 @@ use super::tree::MeshBox;
 use super::welded::Welded;
 use crate::diag::{Diagnostic, Sink};
 use crate::robot::{Collision, Shape};
+use crate::spec::suggest::listed;
 use base_frame::{Found, Hints, Unclear};
 use foot::Directions;
 use legs::Legs;
@@ -60,6 +61,7 @@ pub(super) fn express(
     (remarks, sink): (&mut Vec<String>, &mut Sink),
 ) -> Result<[usize; 2], Diagnostic> {
     let mut legs = Legs::of(welded, feet, known.fills);
+    remarks.extend(impossible(&legs));
     let mut shapes = feet.map(|foot| Hull::of(welded, foot, known.meshes));
     let mut middles = [0, 1].map(|side| sole::middle(&shapes[side].pieces));
     let mut lateral = None;
@@ -81,7 +83,8 @@ pub(super) fn express(
         let down = legs.posed[feet[side]].rotation.inverse() * down;
         sole::sole(&shapes[side].pieces, &nalgebra::Unit::try_new(down, 1e-6)?)
     });
-    let hints = Hints { upright: known.upright, stance: known.stance, named: known.named, tiptoe, lateral };
+    let stance = known.stance.filter(|_| legs.outside.is_empty());
+    let hints = Hints { upright: known.upright, stance, named: known.named, tiptoe, lateral };
     let found = base_frame::frame(&legs, &soles, &hints).map_err(|unclear| refusal(welded, &unclear))?;
     if !found.mirrored {
         remarks.extend(aslant(welded, known));
@@ -107,6 +110,18 @@ pub(super) fn express(
         }
     }
     Ok([feet[found.left], feet[1 - found.left]])
+}
+
+/// What is said of a default pose that the robot cannot have.
+fn impossible(legs: &Legs) -> Option<String> {
+    let joints = listed(legs.outside.iter().map(String::as_str));
+    (!legs.outside.is_empty()).then(|| {
+        format!(
+            "default positions outside of the joints' limits ({joints}): the frames of base and feet were \
+             found with all joints at \
+             zero, so correct the positions and import again"
+        )
+    })
 }
 
 /// Pairs of places with all joints at zero that mirror each other wherever joints have their origins: the

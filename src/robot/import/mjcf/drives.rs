@@ -29,6 +29,8 @@ struct Key {
     /// Generalized positions.
     positions: Vec<f64>,
     span: Span,
+    /// Where the positions stand.
+    place: Span,
 }
 
 /// An actuator as it acts on its joint.
@@ -92,7 +94,7 @@ impl Drives {
         for (index, key) in root.all("keyframe").flat_map(|frames| frames.all("key")).enumerate() {
             if let Some(positions) = key.attribute("qpos").and_then(|_| intake.numbers(key, "qpos")) {
                 let name = key.text("name").map_or_else(|| index.to_string(), str::to_owned);
-                keys.push(Key { name, positions, span: key.span });
+                keys.push(Key { name, positions, span: key.span, place: key.place("qpos") });
             }
         }
         let wanted = match &intake.key {
@@ -115,6 +117,21 @@ impl Drives {
     /// The names of the key frame that gives the default pose, and of the others.
     pub fn keys(&self) -> Option<(&str, &[String])> {
         self.key.as_ref().map(|key| (key.name.as_str(), self.other_keys.as_slice()))
+    }
+
+    /// Tells a key frame that does not have as many positions as the file.
+    pub fn measure(&self, positions: usize, intake: &mut Intake) {
+        let Some(key) = self.key.as_ref().filter(|key| key.positions.len() != positions) else { return };
+        let message = format!(
+            "`qpos` of the key frame `{}` has {} numbers, and the file has {positions} positions",
+            key.name,
+            key.positions.len()
+        );
+        intake.tell(value(message, key.place).help(
+            "write 7 numbers for a free joint (place and quaternion w x y z) and one for each hinge or \
+             slide, in the order of the \
+             file, or take another key frame with --key",
+        ));
     }
 
     /// The orientation in the key frame of a floating base whose positions begin at an address.
@@ -155,7 +172,10 @@ impl Drives {
             }
         };
         hinge.passive = actuators.is_empty() && !self.actuators.is_empty();
-        hinge.effort_limit = [effort, own].into_iter().flatten().reduce(f64::min);
+        // A motor with a gear or a gain of zero drives nothing: its limit stands for one that is not known.
+        hinge.zeros.extend(actuators.iter().any(|actuator| actuator.effort == Some(0.0)).then_some("effort"));
+        hinge.effort_limit =
+            [effort, own].into_iter().flatten().filter(|effort| *effort > 0.0).reduce(f64::min);
         let sum = |part: fn(&Actuator) -> Option<f64>| actuators.iter().filter_map(part).reduce(|a, b| a + b);
         let added = |part: fn(&Actuator) -> f64| actuators.iter().map(part).sum::<f64>();
         hinge.stiffness_gain = sum(|actuator| actuator.servo.stiffness);
@@ -227,7 +247,8 @@ fn actuator(element: &Element, settings: &Settings, intake: &mut Intake) -> Actu
         .gain
         .and_then(|gain| Some(bound("ctrlrange", "ctrllimited", (element, settings), intake)? * gain.abs()));
     let effort = [force, commanded].into_iter().flatten().reduce(f64::min);
-    let Servo { stiffness, damping, ratio } = law.servo;
+    let effort = if gear == 0.0 { Some(0.0) } else { effort };
+    let Servo { stiffness, damping, ratio } = if gear == 0.0 { Servo::default() } else { law.servo };
     Actuator {
         effort: effort.map(|effort| gear * effort),
         armature: gear_squared * intake.number(element, "armature").unwrap_or(0.0),

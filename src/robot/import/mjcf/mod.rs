@@ -72,6 +72,7 @@ pub(super) fn tree(root: Element, from: &Path, intake: &mut Intake) -> Option<Tr
         start = if index == base { next } else { start };
         walk.number(body, &mut next, &mut addresses);
     }
+    drives.measure(next, walk.intake);
     // Its pose in the world is that of a key frame and no figure of the robot, but tells where up is.
     let stands = settings.pose(bodies[base].element, walk.intake);
     tree.upright = (bodies[base].around.frame * stands).rotation;
@@ -81,6 +82,7 @@ pub(super) fn tree(root: Element, from: &Path, intake: &mut Intake) -> Option<Tr
     tree.stance = if walk.is_free { drives.attitude(start, walk.intake) } else { None };
     names_are_unique(&tree, walk.intake);
     scale(&mut tree, &settings, walk.intake);
+    settings::suspect(&root, &tree, &settings, walk.intake);
     inertia::settle(&mut tree, walk.floats, &walk.open, walk.intake);
     remarks(&walk.chains, &drives, walk.intake);
     let left_out = left_out::lines(&root, bodies[base].element, &defaults, &geoms);
@@ -151,17 +153,17 @@ impl Walk<'_, '_, '_> {
         self.contents(body.element, Around { class, frame: Isometry3::identity() })
     }
 
-    /// The joints of a body with every attribute of their class, and whether it floats.
-    fn joints(&mut self, inside: &[Inside]) -> (Vec<(Element, Isometry3<f64>)>, bool) {
-        let mut floats = false;
+    /// The joints of a body with every attribute of their class, and the places of its free joints.
+    fn joints(&mut self, inside: &[Inside]) -> (Vec<(Element, Isometry3<f64>)>, Vec<Span>) {
+        let mut free = Vec::new();
         let mut joints = Vec::new();
         for Inside { element, around } in inside {
             match element.name.as_str() {
-                "freejoint" => floats = true,
+                "freejoint" => free.push(element.span),
                 "joint" => {
                     let joint = self.defaults.complete(element, around.class, self.intake);
                     if joint.text("type") == Some("free") {
-                        floats = true
+                        free.push(element.span)
                     } else {
                         joints.push((joint, around.frame))
                     }
@@ -169,7 +171,25 @@ impl Walk<'_, '_, '_> {
                 _ => {}
             }
         }
-        (joints, floats)
+        (joints, free)
+    }
+
+    /// Tells free joints where MuJoCo has none: below the base, and beside other joints.
+    fn refuse_free(&mut self, name: &str, free: &[Span], others: usize, is_base: bool) {
+        let (message, place) = match free {
+            [] => return,
+            [place, ..] if !is_base => {
+                (format!("`{name}` has a free joint and hangs on another body: only the base floats"), place)
+            }
+            [_, second, ..] => {
+                (format!("`{name}` has {} free joints, and a body floats once", free.len()), second)
+            }
+            [place] if others > 0 => (format!("`{name}` has a free joint and other joints beside it"), place),
+            [_] => return,
+        };
+        let help = "leave one free joint, that of the robot's base; what floats beside the robot is a \
+         body of its own in <worldbody>";
+        self.intake.tell(not_a_tree(message, *place).help(help));
     }
 
     /// Which body of the world is the robot's base.
@@ -177,7 +197,7 @@ impl Walk<'_, '_, '_> {
         let mut floating = Vec::new();
         for (index, body) in bodies.iter().enumerate() {
             let inside = self.inside(body);
-            if self.joints(&inside).1 {
+            if !self.joints(&inside).1.is_empty() {
                 floating.push(index);
             }
         }
@@ -252,7 +272,9 @@ impl Walk<'_, '_, '_> {
             None => format!("body_{}", tree.parts.len()),
         };
         let inside = self.inside(body);
-        let (joints, floats) = self.joints(&inside);
+        let (joints, free) = self.joints(&inside);
+        self.refuse_free(&name, &free, joints.len(), parent.is_none());
+        let floats = !free.is_empty();
         // The pose of the base in the world is that of a key frame, not of the robot.
         let mut pose = match parent {
             Some(_) => body.around.frame * self.settings.pose(element, self.intake),

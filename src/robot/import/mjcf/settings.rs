@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 
 use super::super::intake::{Intake, value};
+use super::super::tree::Tree;
 use super::super::xml::Element;
+use crate::diag::Diagnostic;
 use crate::robot::kinematics::rotation_about;
 
 /// The settings of a file; later `<compiler>` elements add to earlier ones.
@@ -159,6 +161,36 @@ impl Settings {
         }
         turn
     }
+}
+
+/// Angles in degrees beyond which no range of radians goes.
+const WHOLE_TURN: f64 = 6.3;
+
+/// Tells ranges in degrees that look like radians (W0425): a file that says no unit means degrees.
+pub(super) fn suspect(root: &Element, tree: &Tree, settings: &Settings, intake: &mut Intake) {
+    let hinges =
+        tree.parts.iter().filter_map(|part| part.hinge.as_ref()).filter(|hinge| hinge.other.is_none());
+    let ranges: Vec<f64> = hinges
+        .flat_map(|hinge| [hinge.lower, hinge.upper])
+        .flatten()
+        .map(|limit| limit.abs() / settings.angle)
+        .collect();
+    let most = ranges.iter().copied().fold(0.0, f64::max);
+    if settings.angle == 1.0 || ranges.is_empty() || most > WHOLE_TURN {
+        return;
+    }
+    let compiler = root.all("compiler").last();
+    let says = root.all("compiler").any(|compiler| compiler.text("angle").is_some());
+    let unit = if says {
+        "`angle` is degree"
+    } else {
+        "<compiler> says no `angle`, and without it MuJoCo takes degrees"
+    };
+    let message = format!("no joint turns further than {most} degrees: {unit}");
+    let warning = Diagnostic::warning("W0425", message)
+        .at(compiler.map_or(root.span, |compiler| compiler.span), "")
+        .help("write angle=\"radian\" into <compiler> if the ranges are in radians, and import again");
+    intake.tell(warning);
 }
 
 /// The shortest rotation that turns z into a direction.

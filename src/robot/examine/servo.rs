@@ -1,0 +1,109 @@
+//! W0424: position servos that are too soft to move their joints or to hold the robot, at 100 % stiffness.
+//!
+//! Torque control does not use them, so this is no error of the robot; a spec that does has its own check.
+
+use nalgebra::Isometry3;
+
+use super::{Examined, Outlier, worst};
+use crate::robot::gravity::{GravityCompensation, Weighting};
+use crate::robot::model::{Joint, Robot};
+
+/// The code of what is found here.
+pub const CODE: &str = "W0424";
+
+/// Share of the effort limit that a servo must be able to command: less is lost in friction and rounding.
+const LEAST: f64 = 0.01;
+
+/// Share of the torque which holds the default pose that a servo must be able to command: the rest is spared
+/// by leaning.
+const HOLDING: f64 = 0.25;
+
+/// A joint whose position servo commands too little torque.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Weak {
+    /// Index of the joint.
+    pub joint: usize,
+    /// The largest torque in N m that a target within the joint's range commands in the default pose.
+    pub most: f64,
+    /// The torque in N m that it has to command at least.
+    pub needed: f64,
+    /// The torque in N m which holds the default pose.
+    standing: f64,
+}
+
+/// The joints whose servos are too soft with this share of the robot's own stiffness, targets within the
+/// joints' limits. An effort limit of zero is one that an import leaves open.
+pub fn weak(robot: &Robot, stiffness: f64) -> Vec<Weak> {
+    let most = |joint: &Joint| {
+        let Joint { lower, upper, default_position, .. } = joint;
+        stiffness * joint.stiffness_gain * (upper - default_position).max(default_position - lower)
+    };
+    let mut gravity = GravityCompensation::new(robot, Weighting::EffortLimits);
+    let balance = gravity.hold(&Isometry3::identity(), &robot.default_pose(), [true; 2]);
+    let joints = robot.links.iter().map(|link| &link.joint).enumerate().zip(&balance.torque);
+    let too_soft = joints.filter_map(|((index, joint), torque)| {
+        let standing = torque.abs();
+        let needed = (HOLDING * standing).min(joint.effort_limit).max(LEAST * joint.effort_limit);
+        let most = most(joint);
+        let known = joint.effort_limit > 0.0 && needed.is_finite();
+        (known && most < needed).then_some(Weak { joint: index, most, needed, standing })
+    });
+    too_soft.collect()
+}
+
+impl Weak {
+    /// What the servo lacks: a clause after the joint's name.
+    pub fn in_words(&self, robot: &Robot) -> String {
+        let limit = robot.links[self.joint].joint.effort_limit;
+        let (most, standing) = (short(self.most), short(self.standing));
+        if self.standing > self.most {
+            return format!(
+                "commands at most {most} N m within the joint's range, and standing takes {standing} N m"
+            );
+        }
+        format!("commands at most {most} N m within the joint's range, and the motor has {limit} N m")
+    }
+}
+
+/// The servos move their joints and can hold the default pose.
+pub fn check(robot: &Robot) -> Examined {
+    let weak = weak(robot, 1.0);
+    let names = |joint: usize| robot.links[joint].joint.name.as_str();
+    let found = weak.iter().map(|weak| {
+        let gain = robot.links[weak.joint].joint.stiffness_gain;
+        let reason = if gain > 0.0 {
+            format!("the position servo of joint `{}` {}", names(weak.joint), weak.in_words(robot))
+        } else {
+            format!("`stiffness_gain` of joint `{}` is 0: position actions cannot move it", names(weak.joint))
+        };
+        Outlier {
+            excess: weak.needed / weak.most.max(1e-300),
+            path: format!("links.{}.joint.stiffness_gain", weak.joint),
+            message: reason,
+        }
+    });
+    let help = "write the proportional gain of the joint's servo in N m/rad, or train with torque actions \
+     alone and allow this warning with \
+                the reason";
+    let issues: Vec<_> = worst(CODE, found.collect(), "joints", help).into_iter().collect();
+    let gains = robot.links.iter().map(|link| link.joint.stiffness_gain);
+    Examined {
+        name: "the position servos can hold the robot",
+        detail: format!("the softest has {} N m/rad", short(gains.fold(f64::INFINITY, f64::min))),
+        issues,
+    }
+}
+
+/// Three significant digits.
+fn short(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e6).contains(&value) {
+        let digits = 2 - libm::floor(libm::log10(value.max(1e-3))) as i32;
+        let text = format!("{value:.*}", digits.clamp(0, 6) as usize);
+        return if text.contains('.') {
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        } else {
+            text
+        };
+    }
+    format!("{value:.2e}")
+}
