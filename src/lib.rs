@@ -34,6 +34,8 @@ pub mod scaffold;
 
 pub mod plan;
 
+pub mod seal;
+
 pub mod sim;
 
 pub mod control;

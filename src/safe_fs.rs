@@ -20,7 +20,7 @@ const NEW_FILE: u32 = 0o666;
 #[derive(Debug, thiserror::Error)]
 pub enum Refused {
     /// A symbolic link where none may be.
-    #[error("`{}` is a symbolic link", .0.display())]
+    #[error("`{}` is a symbolic link", crate::escape::file(.0))]
     Link(PathBuf),
     /// A path that is absolute or has `..` in it.
     #[error("`{0}` leads out of its folder")]

@@ -54,6 +54,12 @@ fn prose(page: &str) -> String {
         }
         let run = rest.len() - rest.trim_start_matches('`').len();
         let fence = &rest[..run];
+        // A fenced block ends with a fence at the begin of a line.
+        if run >= 3 && (out.is_empty() || out.ends_with('\n')) {
+            let end = rest[run..].find(&format!("\n{fence}\n")).expect("a fenced block ends");
+            rest = &rest[run + end + 1 + run..];
+            continue;
+        }
         let line = if run < 3 { rest.find('\n').unwrap_or(rest.len()) } else { rest.len() };
         match rest[run..line].find(fence) {
             Some(end) => rest = &rest[run + end + run..],
@@ -74,7 +80,7 @@ fn assert_harmless_page(what: &str, page: &str, headings: usize) {
     let prose = prose(page).replace("\\]", "").replace("%20www", "");
     for (at, _) in prose.match_indices('<') {
         let rest = &prose[at..];
-        let own = ["<details>", "</details>", "<summary>", "</summary>", "<br>"]
+        let own = ["<details>", "</details>", "<summary>", "</summary>", "<br>", "<!-- Written by "]
             .iter()
             .any(|own| rest.starts_with(own));
         let text = !rest[1..].starts_with(|c: char| c.is_ascii_alphabetic() || matches!(c, '/' | '!' | '?'));
@@ -464,4 +470,42 @@ fn a_parent_outside_of_the_project_is_not_read_without_permission_and_never_quot
             assert!(!text.contains("E0110") && !text.contains("SECRET"), "{text}");
         }
     }
+}
+
+#[test]
+fn a_file_whose_name_has_backquotes_ends_no_code_in_a_page_or_a_message() {
+    let name = "specs/a`**b** [c](d.md)`e.toml";
+    let mut input = synthetic::input();
+    input.specs = vec![name.into()];
+    input.arms.iter_mut().for_each(|arm| arm.spec = name.into());
+    let files = render(&input, &Templates::default(), &mut Sources::default()).expect("it renders");
+    let page = &files[0].text;
+    assert!(page.contains(&format!("\nspecforge run '{name}'")), "{page}");
+    assert!(page.contains(&format!("| `` {name} ``")), "{page}");
+    assert!(!prose(page).contains("**b**"), "{page}");
+    let suite = Listed { name: "mine".into(), page: "mine".into(), file: name.into(), ..Listed::default() };
+    let index = Index { suites: vec![suite], ..Index::default() }.page();
+    assert!(index.contains(&format!("`` specforge run '{name}' ``")), "{index}");
+
+    let world = World::new();
+    let file = "a`$(x)`b.toml";
+    let missing = world.harmless(&["check", file]);
+    assert!(missing.contains("file not found: `a\\u0060$(x)\\u0060b.toml`"), "{missing}");
+    world.write("base.toml", "spec = 1\nname = \"base\"\nextends = \"whole.toml\"\n");
+    world.write(file, "spec = 1\nname = \"mine\"\nlearn.nope = 1\nextends = \"whole.toml\"\n");
+    world.write(
+        "own.toml",
+        &format!("spec = 1\nname = \"own\"\nextends = \"whole.toml\"\n[report]\nbaseline = '{file}'\n"),
+    );
+    let wrong = world.harmless(&["check", "own.toml"]);
+    assert!(
+        wrong.contains("the baseline `./a\\u0060$(x)\\u0060b.toml` has errors")
+            || wrong.contains("`a\\u0060$(x)\\u0060b.toml` has errors"),
+        "{wrong}"
+    );
+    assert!(
+        wrong.contains(&format!("specforge check '{file}'"))
+            || wrong.contains(&format!("specforge check './{file}'")),
+        "{wrong}"
+    );
 }

@@ -68,20 +68,34 @@ fn whatever_is_edited_in_one_place_of_a_saved_plan_is_refused() {
     let mut places = Vec::new();
     leaves(&whole, "", &mut places);
     assert!(places.len() > 400, "{}", places.len());
-    // What only one place says: how the user asked, and what no stage reads.
-    let mut sole = BTreeSet::new();
     for place in places {
         let mut edited = whole.clone();
         let leaf = edited.pointer_mut(&place).expect("it is there");
         *leaf = changed(leaf);
-        match Plan::from_json(&edited.to_string()) {
-            Err(error) => assert!(!error.to_string().is_empty()),
-            Ok(_) => drop(sole.insert(place)),
-        }
+        let error = Plan::from_json(&edited.to_string()).map(drop).expect_err(&place).to_string();
+        assert!(!error.is_empty() && !error.contains("another version"), "{place}: {error}");
     }
-    let template = "/arms/1/fields/report/table/template/text";
-    let expected = ["/arms/0/request/spec", "/arms/1/allow/W0501", template, "/arms/1/request/spec"];
-    assert_eq!(sole, expected.map(str::to_owned).into());
+    // What only one place says: how the user asked, and what no stage reads.
+    for (place, named) in [
+        ("/arms/0/request/spec", "arms[].request.spec"),
+        ("/arms/1/request/spec", "arms[].request.spec"),
+        ("/arms/1/allow/W0501", "arms[].allow"),
+        ("/arms/1/fields/report/table/template/text", "arms[].fields"),
+    ] {
+        let mut edited = whole.clone();
+        *edited.pointer_mut(place).expect("it is there") = json!("another");
+        let error = Plan::from_json(&edited.to_string()).expect_err(place).to_string();
+        let expected = format!("the plan was edited after it was saved: `{named}` is not what was saved");
+        assert_eq!(error, expected, "{place}");
+    }
+    let mut placed = whole.clone();
+    placed["arms"][0]["request"]["place"] = json!("specs/other.toml");
+    let error = Plan::from_json(&placed.to_string()).expect_err("another spec").to_string();
+    assert!(error.contains("`arms[].request.place` is not what was saved"), "{error}");
+    let mut stripped = whole.clone();
+    stripped.as_object_mut().expect("an object").shift_remove("digests");
+    let error = Plan::from_json(&stripped.to_string()).expect_err("no digests").to_string();
+    assert!(error.contains("the plan has no digests of its parts: they were removed"), "{error}");
     // Entries that are removed.
     for place in
         ["/arms/1", "/stages/0", "/stages/5", "/arms/0/stages/learner", "/stages/4/recipe/inputs/env"]
@@ -101,7 +115,7 @@ fn whatever_is_edited_in_one_place_of_a_saved_plan_is_refused() {
 
 /// A saved plan of a spec or suite.
 fn saved(store: &Path, spec: &str, more: &[&str]) -> PathBuf {
-    let path = store.join("plan.json");
+    let path = store.with_file_name("plan.json");
     let name = path.to_string_lossy().into_owned();
     let (code, text) = told(&specforge(store, &[&["plan", spec, "--save", &name], more].concat()));
     assert_eq!(code, 0, "{text}");
@@ -116,17 +130,19 @@ fn saved_plans_of_specs_and_suites_are_read_again() {
         ("specs/paper/exp1_gain_and_exploration.toml", &[]),
         ("specs/studies/payload.toml", &["--profile", "desk"]),
     ] {
-        let store = folder();
-        let path = saved(store.path(), spec, more);
-        let (code, text) = told(&specforge(store.path(), &["plan", &path.to_string_lossy()]));
+        let folder = folder();
+        let store = folder.path().join("store");
+        let path = saved(&store, spec, more);
+        let (code, text) = told(&specforge(&store, &["plan", &path.to_string_lossy()]));
         assert_eq!(code, 0, "{spec}: {text}");
     }
 }
 
 #[test]
 fn a_plan_whose_seed_was_edited_in_the_fields_never_runs() {
-    let store = folder();
-    let path = saved(store.path(), "specs/tocabi_squat_torque.toml", &["--profile", "quick"]);
+    let folder = folder();
+    let store = folder.path().join("store");
+    let path = saved(&store, "specs/tocabi_squat_torque.toml", &["--profile", "quick"]);
     let mut plan: Value = serde_json::from_str(&fs::read_to_string(&path).expect("saved")).expect("JSON");
     let stages = plan["stages"].as_array_mut().expect("a list");
     let learner = stages.iter_mut().find(|stage| stage["kind"] == "learner").expect("it learns");
@@ -139,13 +155,13 @@ fn a_plan_whose_seed_was_edited_in_the_fields_never_runs() {
         &["why", &name, "learner"],
         &["stage", "robot", "--plan", &name],
     ] {
-        let (code, text) = told(&specforge(store.path(), words));
+        let (code, text) = told(&specforge(&store, words));
         assert!(
             code == 3 && text.contains("error[E0811]") && text.contains("learn.seed"),
             "{words:?}: {text}"
         );
     }
-    assert!(!store.path().join("robot").exists());
+    assert!(!store.join("robot").exists());
 }
 
 #[test]
@@ -157,6 +173,17 @@ fn a_plan_of_another_version_is_refused() {
     stage.recipe.epoch -= 1;
     stage.fingerprint = stage.recipe.fingerprint();
     old["stages"][learner] = serde_json::to_value(&stage).expect("plain data");
+    // The same edit without new digests is an edit.
+    let edited = Plan::from_json(&old.to_string()).expect_err("edited").to_string();
+    assert!(
+        edited.starts_with("the plan was edited after it was saved: `stages` is not what was saved ("),
+        "{edited}"
+    );
+    assert!(edited.contains("the stage `learner` has epoch"), "{edited}");
+    let mut stages: Vec<_> = plan.stages().cloned().collect();
+    stages[learner] = stage;
+    let digests = specforge::plan::digests::of(&plan.arms, plan.suite.as_ref(), &stages);
+    old["digests"] = serde_json::to_value(digests).expect("plain data");
     let error = Plan::from_json(&old.to_string()).expect_err("another epoch");
     assert!(error.to_string().contains("saved by another version of specforge"), "{error}");
     let specforge::plan::SavedError::Plan(error) = error else { panic!("{error}") };
@@ -587,8 +614,21 @@ fn only_a_store_is_cleaned() {
     for place in [nothing.path().to_owned(), nothing.path().join("none")] {
         assert_eq!(told(&specforge(&place, &["cache", "verify"])).0, 4);
     }
-    // Beside photos that are in nobody's way there may be a store, which touches nothing else.
+    // A store is not made among the files of a project, even if they are in nobody's way; nor is anything read there.
+    let project = folder();
+    fs::write(project.path().join("walk.toml"), "x").expect("it can be written");
+    for command in [&words[..], &["plan", "specs/tocabi_squat_torque.toml"], &["cache", "list"]] {
+        let (code, text) = told(&specforge(project.path(), command));
+        assert!(
+            code == 4 && text.contains("[E0813]") && text.contains("`walk.toml` does not belong"),
+            "{text}"
+        );
+        assert!(text.contains("a folder that is empty or does not exist yet"), "{text}");
+    }
+    assert_eq!(files(project.path()).len(), 1);
+    // What is put beside the folders of a store later stays.
     let mixed = folder();
+    assert_eq!(told(&specforge(mixed.path(), &words)).0, 0);
     fs::write(mixed.path().join("b.jpg"), "x").expect("it can be written");
     assert_eq!(told(&specforge(mixed.path(), &words)).0, 0);
     fs::create_dir(mixed.path().join("damaged")).expect("a folder");

@@ -129,15 +129,11 @@ fn a_plan_has_every_form_and_creates_no_store() {
 
 #[test]
 fn a_stage_runs_by_itself_from_a_saved_plan_once_its_inputs_are_there() {
-    let store = folder();
-    let plan = store.path().join("plan.json");
-    specforge(store.path())
-        .args(["plan", SPEC, "--profile", "quick", "--save"])
-        .arg(&plan)
-        .assert()
-        .success();
+    let folder = folder();
+    let (store, plan) = (folder.path().join("store"), folder.path().join("plan.json"));
+    specforge(&store).args(["plan", SPEC, "--profile", "quick", "--save"]).arg(&plan).assert().success();
     let stage = |word: &str| {
-        let mut command = specforge(store.path());
+        let mut command = specforge(&store);
         command.args(["stage", word, "--plan"]).arg(&plan);
         command
     };

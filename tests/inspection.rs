@@ -404,13 +404,14 @@ fn a_saved_plan_and_a_single_spec_refuse_options_that_they_would_ignore() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let plan = folder.path().join("plan.json").to_string_lossy().into_owned();
     let spec = "specs/tocabi_squat_torque.toml";
-    assert_eq!(within(folder.path(), &["plan", spec, "--save", &plan]).0, 0);
-    assert_eq!(within(folder.path(), &["plan", &plan]).0, 0);
+    let store = folder.path().join("store");
+    assert_eq!(within(&store, &["plan", spec, "--save", &plan]).0, 0);
+    assert_eq!(within(&store, &["plan", &plan]).0, 0);
     for (command, option, value) in [("plan", "--set", "learn.seed=2"), ("run", "--profile", "quick")] {
-        let (code, told) = within(folder.path(), &[command, &plan, option, value]);
+        let (code, told) = within(&store, &[command, &plan, option, value]);
         assert!(code == 2 && told.contains("is a plan"), "{told}");
     }
-    let (code, told) = within(folder.path(), &["show", spec, "--arm", "control=torque"]);
+    let (code, told) = within(&store, &["show", spec, "--arm", "control=torque"]);
     assert!(code == 2 && told.contains("is a single spec"), "{told}");
 }
 
@@ -570,5 +571,20 @@ fn paths_that_other_commands_print_are_explained() {
 fn the_help_says_when_a_claim_decides_the_exit_code() {
     for words in [&["--help"][..], &["run", "--help"]] {
         assert!(stdout(&specforge(words)).contains("claims = \"count\""), "{words:?}");
+    }
+}
+
+/// A spec and the spec that it compares itself with take the same wrong budget from the command line.
+#[test]
+fn a_warning_that_the_arms_of_a_comparison_share_is_told_once() {
+    let store = tempfile::tempdir().expect("a folder");
+    let place = store.path().to_string_lossy().into_owned();
+    let spec = "specs/tocabi_squat_torque.toml";
+    let words = ["plan", spec, "--profile", "desk", "--set", "learn.samples=40k", "--store", &place];
+    for (format, code) in [("human", "warning[W0508]"), ("json", "\"W0508\"")] {
+        let output = specforge(&[&words[..], &["--format", format]].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(told.matches(code).count(), 1, "{format}: {told}");
     }
 }

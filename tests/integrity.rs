@@ -5,9 +5,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use specforge::report::earlier::NOTICE;
+use specforge::report::claim::{Ruling, again};
+use specforge::report::earlier::{NOTICE, unmarked};
 use specforge::report::sidecar::{Item, RULES, Sidecar};
-use specforge::report::{ReportFile, digests};
+use specforge::report::{ReportFile, digests, listing};
+use specforge::seal::{self, REMOVED};
 use tempfile::TempDir;
 
 /// The suite that an index is asked for.
@@ -24,6 +26,9 @@ fn told(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
+/// Claims of the made-up record whose tests take no draws.
+const CLAIMS: [&str; 6] = ["welch", "welch_of_one", "each_ground", "ratio", "wilson", "falls"];
+
 /// The record with claims and the values of their runs that the rules give (tests/verdicts.rs), under a name.
 fn record(name: &str) -> Sidecar {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/verdicts/made_up.json");
@@ -34,7 +39,10 @@ fn record(name: &str) -> Sidecar {
         ..Item::default()
     };
     let command = format!("specforge run specs/{name}.toml --profile desk");
-    Sidecar { report: name.into(), command, items: vec![figure], ..Sidecar::read(&path).expect("the record") }
+    let mut record = Sidecar::read(&path).expect("the record");
+    record.claims.retain(|claim| CLAIMS.contains(&claim.id.as_str()));
+    let claims = again(&record.claims).expect("it has all values");
+    Sidecar { report: name.into(), command, items: vec![figure], claims, ..record }
 }
 
 /// Publishes a page with a figure and its sealed record.
@@ -105,7 +113,7 @@ fn reports_that_nobody_touched_are_whole_and_have_an_index() {
     fs::write(folder.path().join("studies/notes.md"), "# Notes\n").expect("it can be written");
     let output = report(folder.path(), &["--check", "--format", "json"]);
     let answer: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    assert_eq!(answer, serde_json::json!({ "whole": 2, "differing": [], "unverifiable": [] }));
+    assert_eq!(answer, serde_json::json!({ "whole": 2, "differing": [], "unverifiable": [], "runs": 0 }));
     let output = report(folder.path(), &["--index", SUITE]);
     assert!(output.status.success(), "{}", told(&output));
     let index = fs::read_to_string(folder.path().join("README.md")).expect("an index");
@@ -181,18 +189,208 @@ fn a_record_that_was_cut_or_is_gone_or_belongs_to_another_page_is_found() {
     ];
     finds(swapped.path(), "exchanged records", &expected);
 
-    // The digest that was taken out says nothing any more, which is told.
-    let unsealed = published();
-    let record = Sidecar::read(&below(&unsealed, "walk.json")).expect("a record");
-    fs::write(below(&unsealed, "walk.json"), Sidecar { seal: String::new(), ..record }.to_json())
-        .expect("written");
-    let output = report(unsealed.path(), &["--check"]);
-    let text = told(&output);
-    assert!(output.status.success() && text.contains("unchanged since they were rendered: 1;"), "{text}");
+    // A digest that was taken out is one that is missing, whatever else was taken out with it.
+    for strip in [
+        |record: Sidecar| Sidecar { seal: String::new(), ..record },
+        |record: Sidecar| Sidecar { seal: String::new(), digests: Default::default(), ..record },
+        |record: Sidecar| Sidecar {
+            seal: String::new(),
+            digests: Default::default(),
+            rules: 0,
+            runs: Vec::new(),
+            ..record
+        },
+    ] {
+        let unsealed = published();
+        let record = strip(Sidecar::read(&below(&unsealed, "walk.json")).expect("a record"));
+        fs::write(below(&unsealed, "walk.json"), record.to_json()).expect("written");
+        let output = report(unsealed.path(), &["--check"]);
+        let text = told(&output);
+        assert!(
+            output.status.code() == Some(4) && text.contains(&format!("studies/walk.json: {REMOVED}")),
+            "{text}"
+        );
+        assert!(text.contains("unchanged since they were rendered: 1; changed: 1"), "{text}");
+        assert_eq!(report(unsealed.path(), &["--index", SUITE]).status.code(), Some(4), "{text}");
+        let traced = trace(&below(&unsealed, "walk.md"));
+        assert!(traced.status.code() == Some(4) && told(&traced).contains(REMOVED), "{}", told(&traced));
+    }
+}
+
+/// Runs `specforge trace`.
+fn trace(target: &Path) -> Output {
+    let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
+    command.arg("trace").arg(target).output().expect("it runs")
+}
+
+/// Changes the record of a page and gives it the digest of what it says now.
+fn resealed(folder: &Path, name: &str, change: impl FnOnce(&mut Sidecar)) {
+    let path = Sidecar::path(folder, name);
+    let mut record = Sidecar::read(&path).expect("a record");
+    change(&mut record);
+    fs::write(path, record.sealed().to_json()).expect("it can be written");
+}
+
+#[test]
+fn a_verdict_that_its_values_do_not_give_is_found_whoever_sealed_it() {
+    let of = |record: &mut Sidecar, id: &str| -> usize {
+        record.claims.iter().position(|claim| claim.id == id).unwrap_or_else(|| panic!("{id} is a claim"))
+    };
+    type Change = (&'static str, fn(&mut Sidecar, usize), &'static str, &'static str);
+    let changes: [Change; 7] = [
+        (
+            "welch_of_one",
+            |record, at| record.claims[at].verdict = Ruling::Pass,
+            "a verdict",
+            "is PASS, and its values give FAIL",
+        ),
+        (
+            "welch",
+            |record, at| record.claims[at].p = Some(0.04),
+            "a p value",
+            "has another `p` than its values give",
+        ),
+        (
+            "welch",
+            |record, at| record.claims[at].cases[0].estimate.value = Some(0.9),
+            "an estimate",
+            "has another `cases.0.estimate.value` than its values give",
+        ),
+        (
+            "welch",
+            |record, at| record.claims[at].bounds = [Some(0.7), None],
+            "a boundary",
+            "is PASS, and its values give",
+        ),
+        (
+            "welch",
+            |record, _| record.runs.iter_mut().for_each(|run| run.stages.clear()),
+            "the table of runs",
+            "has another value of",
+        ),
+        (
+            "wilson",
+            |record, at| record.claims[at].cases[0].evidence = None,
+            "no values",
+            "has a comparison without values",
+        ),
+        (
+            "ratio",
+            |record, at| record.claims[at].failing.clear(),
+            "what fails",
+            "is NOT MEANINGFUL, and its values give",
+        ),
+    ];
+    for (id, change, case, reason) in changes {
+        let folder = published();
+        resealed(&folder.path().join("studies"), "walk", |record| {
+            let at = of(record, id);
+            change(record, at);
+        });
+        let output = report(folder.path(), &["--check"]);
+        let expected = format!("studies/walk.json: its claim `{id}` {reason}");
+        assert!(
+            output.status.code() == Some(4) && told(&output).contains(&expected),
+            "{case}: {}",
+            told(&output)
+        );
+        assert_eq!(report(folder.path(), &["--index", SUITE]).status.code(), Some(4), "{case}");
+    }
+}
+
+#[test]
+fn an_index_that_was_edited_or_is_older_than_a_record_is_found_and_written_again() {
+    let folder = published();
+    let index = folder.path().join("README.md");
+    let check = || report(folder.path(), &["--check"]);
+    let write = || assert!(report(folder.path(), &["--index", SUITE]).status.success());
+    write();
+    assert!(check().status.success(), "{}", told(&check()));
+    edited(&index, "walk", "work");
+    let text = told(&check());
     assert!(
-        text.contains("cannot be verified, because the record has no digest of itself: studies/walk (1)"),
+        check().status.code() == Some(4) && text.contains("README.md: it was changed after it was written"),
         "{text}"
     );
+    assert!(text.contains("`specforge report --index` writes it again"), "{text}");
+    write();
+    let whole = fs::read_to_string(&index).expect("an index");
+    let without = whole.trim_end().rsplit_once('\n').expect("it has lines").0;
+    fs::write(&index, without).expect("it can be written");
+    assert!(told(&check()).contains("its last line with its digest is missing"), "{}", told(&check()));
+    write();
+    publish(&folder.path().join("studies"), "stand");
+    assert!(told(&check()).contains("from other records than those that are here now"), "{}", told(&check()));
+    write();
+    assert!(check().status.success(), "{}", told(&check()));
+    // A page of somebody else is no index.
+    fs::write(&index, "# My reports\n").expect("it can be written");
+    assert!(check().status.success(), "{}", told(&check()));
+}
+
+#[test]
+fn figures_that_no_record_lists_and_copies_of_reports_are_found() {
+    let stray = "it is not a figure of any report here: no record lists it";
+    let folder = published();
+    let at = |file: &str| folder.path().join("studies").join(file);
+    fs::copy(at("walk/speed.svg"), at("walk/faster.svg")).expect("it can be copied");
+    fs::write(at("run/photo.png"), b"not listed").expect("it can be written");
+    fs::write(at("plot.svg"), "<svg/>").expect("it can be written");
+    let found =
+        [("studies/plot.svg", stray), ("studies/run/photo.png", stray), ("studies/walk/faster.svg", stray)];
+    finds(folder.path(), "added figures", &found);
+
+    // A copy of all files of a report in another folder.
+    let folder = published();
+    let copy = folder.path().join("paper");
+    fs::create_dir_all(copy.join("walk")).expect("it can be made");
+    for file in ["walk.md", "walk.json", "walk/speed.svg"] {
+        fs::copy(folder.path().join("studies").join(file), copy.join(file)).expect("it can be copied");
+    }
+    let same =
+        |other: &str| format!("it is the same record as that of `{other}`: one of the reports is a copy");
+    let (one, other) = (same("studies/walk"), same("paper/walk"));
+    finds(folder.path(), "a copy", &[("paper/walk.json", &one), ("studies/walk.json", &other)]);
+    // Of a report whose spec says where it belongs the copy is the other one.
+    let at_home = |record: &mut Sidecar| record.specs = vec!["specs/studies/walk.toml".into()];
+    [folder.path().join("studies"), copy.clone()].iter().for_each(|folder| resealed(folder, "walk", at_home));
+    finds(folder.path(), "a copy", &[("paper/walk.json", &one)]);
+    ["walk.md", "walk.json", "walk/speed.svg"]
+        .iter()
+        .for_each(|file| fs::remove_file(folder.path().join("studies").join(file)).expect("it is there"));
+    let moved = "it is the record of a page in `studies/`, where its spec has it";
+    finds(folder.path(), "a report that was moved", &[("paper/walk.json", moved)]);
+
+    // The record alone, in a folder without pages.
+    let folder = published();
+    let runs = folder.path().join("studies/runs");
+    fs::create_dir_all(&runs).expect("it can be made");
+    fs::copy(folder.path().join("studies/walk.json"), runs.join("mine.json")).expect("it can be copied");
+    let text = told(&report(folder.path(), &["--check"]));
+    assert!(text.contains("studies/runs/mine.json: it is the record of another page, `walk`"), "{text}");
+}
+
+#[test]
+fn trace_does_not_answer_for_a_page_or_a_figure_that_does_not_match_its_record() {
+    let folder = published();
+    let at = |file: &str| folder.path().join("studies").join(file);
+    assert!(trace(&at("walk/speed.svg")).status.success(), "{}", told(&trace(&at("walk/speed.svg"))));
+    assert!(trace(&at("walk.md")).status.success(), "{}", told(&trace(&at("walk.md"))));
+    let refuses = |target: &str, reason: &str| {
+        let output = trace(&at(target));
+        let text = told(&output);
+        assert!(output.status.code() == Some(4) && output.stdout.is_empty(), "{target}: {text}");
+        assert!(text.contains("[R0013]") && text.contains(reason), "{target}: {text}");
+    };
+    edited(&at("walk.md"), "It walks", "It runs");
+    refuses("walk.md", "walk.md: it does not match its record: it was changed after it was rendered");
+    refuses("walk.json", "walk.md: it does not match its record");
+    edited(&at("walk/speed.svg"), "<svg>", "<svg><path/>");
+    refuses("walk/speed.svg", "walk/speed.svg: it does not match its record: it was changed");
+    fs::remove_file(at("run/speed.svg")).expect("it is there");
+    refuses("run/speed.svg", "run/speed.svg: it does not match its record: it is missing");
+    fs::copy(at("run.json"), at("stand.json")).expect("it can be copied");
+    refuses("stand.json", "`stand.json` is the record of another page, `run`");
 }
 
 #[test]
@@ -221,31 +419,154 @@ fn pages_and_figures_that_were_edited_or_are_gone_are_found() {
     finds(folder.path(), "all pages gone", &missing);
 }
 
+/// The records of the repository's reports and runs that have no digest of themselves, by their path in `reports/`.
+fn unsealed() -> Vec<(String, String)> {
+    let reports = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports");
+    let files = listing::folders(&reports).into_iter().flat_map(|folder| listing::files(&folder, "json"));
+    let text = |path: &Path| fs::read_to_string(path).expect("a record");
+    let mut found: Vec<(String, String)> = files
+        .map(|path| (path.strip_prefix(&reports).expect("below").display().to_string(), text(&path)))
+        .filter(|(_, text)| {
+            let json: serde_json::Value = serde_json::from_str(text).expect("JSON");
+            json.get(seal::FIELD).is_none()
+        })
+        .collect();
+    found.sort();
+    found
+}
+
+/// Each record of the repository that has no digest of itself is on the list of those that may lack one, with the
+/// digests of its page and its figures.
 #[test]
-fn records_of_earlier_versions_are_accepted_and_counted_but_their_files_must_be_there() {
+fn the_records_without_a_digest_are_those_that_are_listed() {
+    let reports = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports");
+    let mut list = String::from(
+        "# Records of before records had digests of themselves: the digest of the content of each, and below it those\n\
+         # of its page and its figures. `SPECFORGE_BLESS=1 cargo test --test integrity` writes this list again; no line\n\
+         # may be added to it.\n",
+    );
+    for (path, text) in unsealed() {
+        let digest = seal::of(&text).expect("an object");
+        list += &format!("{digest} {path}\n");
+        let Ok(record) = serde_json::from_str::<Sidecar>(&text) else { continue };
+        let folder = reports.join(&path).parent().expect("a folder").to_owned();
+        let figures = record.items.iter().map(|item| item.file.clone()).filter(|file| !file.is_empty());
+        let mut files: Vec<String> = figures.chain([format!("{}.md", record.report)]).collect();
+        files.sort();
+        files.dedup();
+        for file in files {
+            let text = fs::read_to_string(folder.join(&file)).expect("a file of the report");
+            for (file, digest) in digests::of(&[ReportFile { path: file.into(), text }]) {
+                list += &format!("  {digest} {file}\n");
+            }
+        }
+    }
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/seal/unsealed.txt");
+    if std::env::var_os("SPECFORGE_BLESS").is_some() {
+        fs::write(&path, &list).expect("it can be written");
+    }
+    let known = fs::read_to_string(&path).expect("the list");
+    let added: Vec<&str> = list.lines().filter(|line| !known.lines().any(|other| other == *line)).collect();
+    assert!(added.is_empty(), "not as they are listed: {added:#?}");
+}
+
+#[test]
+fn records_of_earlier_versions_are_accepted_and_counted_but_their_files_must_be_as_they_are_listed() {
+    let of_pages = |(path, _): &(String, String)| !path.contains("/runs/");
+    let Some((path, text)) = unsealed().into_iter().find(of_pages) else { return };
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports").join(&path);
+    let record: Sidecar = serde_json::from_str(&text).expect("a record");
+    let name = record.report.clone();
     let folder = tempfile::tempdir().expect("a folder");
-    publish(folder.path(), "walk");
-    let old = Sidecar { rules: 0, ..record("walk") };
-    fs::write(folder.path().join("walk.json"), old.to_json()).expect("it can be written");
-    let page = folder.path().join("walk.md");
+    let at = |file: &str| folder.path().join(file);
+    fs::create_dir(at(&name)).expect("it can be made");
+    let figures: Vec<String> =
+        record.items.iter().map(|item| item.file.clone()).filter(|file| !file.is_empty()).collect();
+    for file in figures.iter().chain([&format!("{name}.json")]) {
+        fs::copy(source.with_file_name(file), at(file)).expect("it can be copied");
+    }
+    let page = fs::read_to_string(source.with_extension("md")).expect("a page");
+    let page = unmarked(&page).unwrap_or(page);
+    let file = format!("{name}.md");
+    fs::write(at(&file), &page).expect("it can be written");
     let output = report(folder.path(), &["--check"]);
     let reason = "it does not say that it was judged by earlier rules";
     assert!(output.status.code() == Some(4) && told(&output).contains(reason), "{}", told(&output));
     let output = report(folder.path(), &["--index", SUITE]);
-    let open =
-        "cannot be verified, because the record has no digests of itself, the page and the figures: walk (1)";
-    assert!(output.status.success() && told(&output).contains(open), "{}", told(&output));
-    let index = fs::read_to_string(folder.path().join("README.md")).expect("an index");
-    assert!(index.contains("## Not verifiable") && index.contains("[walk](walk.md).\n"), "{index}");
+    let open = format!(
+        "cannot be verified, because the record is of before records had a digest of themselves: {name} (1)"
+    );
+    assert!(output.status.success() && told(&output).contains(&open), "{}", told(&output));
+    let index = fs::read_to_string(at("README.md")).expect("an index");
+    assert!(
+        index.contains("## Not verifiable") && index.contains(&format!("[{name}]({name}.md).\n")),
+        "{index}"
+    );
     let output = report(folder.path(), &["--check"]);
-    assert!(output.status.success() && told(&output).contains(open), "{}", told(&output));
-    // An edited notice is one that is missing.
-    edited(&page, "cannot be computed again", "can be computed again");
+    assert!(output.status.success() && told(&output).contains(&open), "{}", told(&output));
+    // An edited notice is one that is missing, and changes the page.
+    edited(&at(&file), "cannot be computed again", "can be computed again");
     let output = report(folder.path(), &["--check"]);
     assert!(output.status.code() == Some(4) && told(&output).contains(reason), "{}", told(&output));
-    fs::remove_file(folder.path().join("README.md")).expect("it is there");
-    fs::remove_file(&page).expect("it is there");
-    fs::remove_file(folder.path().join("walk/speed.svg")).expect("it is there");
-    let missing = ["walk.md", "walk/speed.svg"].map(|file| (file, "it is missing, and its record is there"));
+    // Its page and figures are known by their digests.
+    fs::write(at(&file), page.replacen(' ', "  ", 1)).expect("it can be written");
+    let text = told(&report(folder.path(), &["--check"]));
+    assert!(text.contains(&format!("{file}: it was changed after it was rendered")), "{text}");
+    fs::remove_file(at("README.md")).expect("it is there");
+    fs::remove_file(at(&file)).expect("it is there");
+    figures.iter().for_each(|file| fs::remove_file(at(file)).expect("it is there"));
+    let missing: Vec<(&str, &str)> =
+        figures.iter().chain([&file]).map(|file| (file.as_str(), "it is missing")).collect();
     finds(folder.path(), "an earlier record alone", &missing);
+    // Edited it is none of the earlier ones.
+    edited(&at(&format!("{name}.json")), "PASS", "FAIL");
+    let text = told(&report(folder.path(), &["--check"]));
+    assert!(text.contains(&format!("{name}.json: {REMOVED}")), "{text}");
+}
+
+#[test]
+fn records_of_runs_are_verified_as_those_of_reports() {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/paper/runs");
+    let Some(path) = listing::files(&source, "json").into_iter().next() else { return };
+    let whole = fs::read_to_string(&path).expect("a record");
+    let folder = tempfile::tempdir().expect("a folder");
+    let runs = folder.path().join("runs");
+    fs::create_dir(&runs).expect("it can be made");
+    let record = runs.join("run.json");
+    let check = |text: &str| {
+        fs::write(&record, text).expect("it can be written");
+        let output = report(folder.path(), &["--check"]);
+        (output.status.code(), told(&output))
+    };
+    let (code, text) = check(&whole);
+    assert!(code == Some(0) && text.contains("records of runs that are as they were written: 1"), "{text}");
+    let mut json: serde_json::Value = serde_json::from_str(&whole).expect("JSON");
+    json.as_object_mut().expect("an object").shift_remove(seal::FIELD);
+    // Of the present format and sealed.
+    json["format"] = 3.into();
+    json["seal"] = seal::of(&json.to_string()).expect("an object").into();
+    let sealed = json.to_string();
+    assert_eq!(check(&sealed).0, Some(0), "{}", check(&sealed).1);
+    let run = json["run"].as_str().expect("a name").to_owned();
+    let changed = check(&sealed.replacen(&run, "another run", 1));
+    assert!(
+        changed.0 == Some(4) && changed.1.contains("run.json: it was changed after it was written"),
+        "{}",
+        changed.1
+    );
+    for format in [2, 3] {
+        let mut stripped = json.clone();
+        stripped.as_object_mut().expect("an object").shift_remove(seal::FIELD);
+        stripped["format"] = format.into();
+        stripped["run"] = "another run".into();
+        let (code, text) = check(&stripped.to_string());
+        assert!(code == Some(4) && text.contains(&format!("run.json: {REMOVED}")), "{text}");
+        let mut import = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
+        let store = folder.path().join("store");
+        let import = import.arg("--store").arg(store).args(["cache", "import"]).arg(&runs).assert().code(4);
+        let text = told(import.get_output());
+        assert!(text.contains(REMOVED), "{text}");
+    }
+    let (code, text) = check(&sealed[..sealed.len() / 2]);
+    assert!(code == Some(4) && text.contains("runs/run.json: it is not JSON"), "{text}");
 }

@@ -9,6 +9,7 @@ use std::path::Path;
 
 use specforge::outcome::{Episode, Evaluation};
 use specforge::plan::{RunRecord, SuiteRecord};
+use specforge::report::claim::disagreements;
 use specforge::report::model::{Arm, Measured, ReportInput, Update};
 use specforge::report::runs;
 use specforge::report::sidecar::{RULES, Sidecar};
@@ -90,6 +91,10 @@ fn the_made_up_record_is_what_the_rules_give() {
         claims,
         ..Sidecar::default()
     };
+    // The program judges them again from what the record keeps of them, to the same numbers.
+    assert_eq!(disagreements(&record), Vec::<String>::new());
+    let read: Sidecar = serde_json::from_str(&record.to_json()).expect("a record");
+    assert_eq!(disagreements(&read), Vec::<String>::new());
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/verdicts/made_up.json");
     if std::env::var_os("SPECFORGE_BLESS").is_some() {
         fs::write(&path, record.to_json()).expect("the record can be written");

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use super::checker::{Checker, Specs};
 use crate::diag::{Diagnostic, Severity, Sink};
+use crate::escape;
 use crate::kinds::action::Action;
 use crate::kinds::task::Task;
 use crate::spec::suite::is_suite;
@@ -74,7 +75,7 @@ impl Checker {
 
     /// A baseline as it stands.
     fn baseline(&mut self, naming: &Naming<'_>, path: &Path) -> Result<Experiment, Diagnostic> {
-        let shown = path.display();
+        let shown = escape::file(path);
         let wrong = |message: String, advice: &str| Err(Diagnostic::error("E0608", message).help(advice));
         if let Some(refusal) = naming.reach.refusal(naming.files, path) {
             return Err(refusal);
@@ -111,7 +112,10 @@ impl Checker {
             (None, Some(experiment)) => Ok(experiment.clone()),
             (first, _) => {
                 let first = first.map_or(String::new(), |first| format!(": {}", first.message));
-                let advice = format!("correct it: `specforge check {shown}` shows its errors");
+                let advice = format!(
+                    "correct it: `specforge check {}` shows its errors",
+                    escape::shell::argument(path)
+                );
                 wrong(format!("the baseline `{shown}` has errors{first}"), &advice)
             }
         }
@@ -171,7 +175,7 @@ fn of(experiment: &Experiment) -> [Option<String>; 2] {
 /// E0608: no arm would be compared with the second of two baselines of one task and action.
 fn twice(first: &NamedSpec, second: &NamedSpec, experiment: &Experiment) -> Diagnostic {
     let [task, action] = of(experiment).map(Option::unwrap_or_default);
-    let [one, other] = [first, second].map(|named| named.path.display());
+    let [one, other] = [first, second].map(|named| escape::file(&named.path));
     let message =
         format!("two baselines of the task `{task}` and the action `{action}`: `{one}` and `{other}`");
     let error = at(Diagnostic::error("E0608", message), second);
@@ -200,5 +204,5 @@ fn at(error: Diagnostic, named: &NamedSpec) -> Diagnostic {
 }
 
 fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    escape::file(Path::new(path.file_name().unwrap_or_default()))
 }

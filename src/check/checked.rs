@@ -168,7 +168,7 @@ pub fn unrunnable(experiment: &Experiment, sources: &Sources) -> Option<Diagnost
 /// The specs of `report.compare` are there (E0004).
 fn find_compared(experiment: &Experiment, files: &dyn Files, sink: &mut Sink) {
     let missing = |path: &Path| {
-        let error = Diagnostic::error("E0004", format!("file not found: `{}`", path.display()));
+        let error = Diagnostic::error("E0004", format!("file not found: `{}`", crate::escape::file(path)));
         syntax::file::elsewhere(files, path).into_iter().fold(error, Diagnostic::help)
     };
     for (index, path) in experiment.compare.iter().enumerate() {

@@ -102,7 +102,7 @@ fn listable(store: &Store, global: &Global) -> Result<(), StoreError> {
     let nothing = |reason: String| Err(StoreError::NotAStore { path: store.root().to_owned(), reason });
     match marker::identity(store.root())? {
         Identity::Absent if global.store.is_some() => nothing("it does not exist".into()),
-        Identity::Other { reason, occupied: true, .. } => nothing(reason),
+        Identity::Other { reason, vacant: false } => nothing(reason),
         Identity::Absent | Identity::Other { .. } | Identity::Marked | Identity::Unmarked => Ok(()),
     }
 }

@@ -1,13 +1,12 @@
 //! `specforge check FILE...`: everything that can be known before a simulator starts.
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::specs::{self, Findings, Variant};
+use super::specs::{self, Findings, Told, Variant};
 use super::{Exit, Format, Global, compared, comparison, output, suites};
 use crate::check::{Checked, CheckedSuite, Checker};
 use crate::diag::{Diagnostic, Sink, Sources, Span, render};
@@ -49,13 +48,13 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         .map(|(file, _)| output::shown(file))
         .collect();
     let mut findings: Vec<Findings> = Vec::new();
-    let mut known = BTreeSet::new();
+    let mut told = Told::default();
     for (file, Looked { variants, seconds, .. }) in files.iter().zip(examined) {
         let before = findings.len();
         let found = variants
             .into_iter()
             .flat_map(|(findings, profile)| findings.into_iter().map(move |found| (found, profile.clone())));
-        findings.extend(found.filter_map(|(found, profile)| fresh(found, profile, &mut known)));
+        findings.extend(found.filter_map(|(found, profile)| fresh(found, profile, &mut told)));
         if global.verbose > 0 {
             let count = findings[before..].iter().map(|found| found.diagnostics.len()).sum::<usize>();
             output::note(
@@ -257,12 +256,9 @@ fn examine(file: &Path, options: &LoadOptions, lenient: bool, checker: &mut Chec
 
 /// The findings that are not known yet: a parent's mistake is told once, whatever extends it, and a profile's
 /// findings are those that the spec without it does not have.
-fn fresh(findings: Findings, profile: Option<String>, known: &mut BTreeSet<String>) -> Option<Findings> {
+fn fresh(findings: Findings, profile: Option<String>, told: &mut Told) -> Option<Findings> {
     let Findings { sources, mut diagnostics, file } = findings;
-    diagnostics.retain(|found| {
-        let place = found.labels.first().map(|label| sources.place(label.span)).unwrap_or_default();
-        known.insert(format!("{} {place} {}", found.code, found.message))
-    });
+    diagnostics.retain(|found| told.is_new(&sources, found));
     if let Some(profile) = profile {
         diagnostics
             .iter_mut()

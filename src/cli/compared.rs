@@ -82,7 +82,8 @@ fn namesakes(spec: &Checked, others: &[Checked]) -> Vec<Findings> {
 /// E0606 for an entry that is a suite.
 pub fn no_suite(file: &Path, by: (&Checked, usize)) -> Option<Diagnostic> {
     specs::is_suite(file).then(|| {
-        let message = format!("`{}` is a suite, and a spec is compared with specs", file.display());
+        let message =
+            format!("`{}` is a suite, and a spec is compared with specs", crate::escape::file(file));
         at_entry(Diagnostic::error("E0606", message).help("name one of the specs that the suite varies"), by)
     })
 }

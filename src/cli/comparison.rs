@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::specs::{self, Findings};
 use super::{Exit, Global, output, run};
 use crate::diag::{Sources, Span};
-use crate::exec::{Store, marker};
+use crate::exec::Store;
 use crate::plan::{Arm, Plan, PlanError, ReportSource, ReportedSuite, lower};
 use crate::report::paths;
 use crate::report::render;
@@ -27,10 +27,10 @@ pub struct Comparison {
 
 impl Comparison {
     /// The store: what the user named, or `.specforge` in the project's folder. `Err` is the exit code when
-    /// its mark is damaged or of another layout; it has been said then.
+    /// its mark is damaged or of another layout, or the folder is somebody else's; it has been said then.
     pub fn store(&self, global: &Global) -> Result<Store, Exit> {
         let store = Store::at(global.store.clone().unwrap_or_else(|| self.project.join(".specforge")));
-        marker::is_marked(store.root()).map_err(|error| run::complain(global, &error))?;
+        store.identity().map_err(|error| run::complain(global, &error))?;
         Ok(store)
     }
 

@@ -8,8 +8,8 @@ use super::specs::{self, Findings, Variant};
 use super::{Exit, Format, Global, output, pages, standing};
 use crate::bounded;
 use crate::check;
-use crate::report::index::{FILE, Index, Listed, Standing};
-use crate::report::integrity;
+use crate::report::index::{FILE, Index, Listed, Standing, mark};
+use crate::report::integrity::{self, Found};
 use crate::report::paths::{self, Paths};
 use crate::report::sidecar::Sidecar;
 use crate::report::{earlier, listing};
@@ -29,19 +29,20 @@ pub fn run(files: &[PathBuf], folder: &Path, global: &Global) -> Exit {
         output::complain(global, &message, Some("name the suites, or go to the folder that holds `specs/`"));
         return Exit::Usage;
     }
-    let index = match read(&files, folder, global) {
-        Ok(index) => index,
+    let (index, contents) = match read(&files, folder, global) {
+        Ok(read) => read,
         Err(exit) => return exit,
     };
+    let page = mark::marked(&index.page(), &contents);
     let path = folder.join(FILE);
-    let written = std::fs::create_dir_all(folder)
-        .and_then(|()| safe_fs::replace_inside(folder, FILE, index.page().as_bytes()));
+    let written =
+        std::fs::create_dir_all(folder).and_then(|()| safe_fs::replace_inside(folder, FILE, page.as_bytes()));
     if let Err(error) = written {
         let message = format!("the page of all reports cannot be written: {}: {error}", path.display());
         output::complain(global, &message, Some("name a folder that can be written with `--reports DIR`"));
         return Exit::StageFailed;
     }
-    if let Err(error) = mark(&index, folder) {
+    if let Err(error) = notify(&index, folder) {
         let message = format!("a page of {} cannot be written: {error}", folder.display());
         output::complain(global, &message, Some("name a folder that can be written with `--reports DIR`"));
         return Exit::StageFailed;
@@ -59,7 +60,7 @@ pub fn run(files: &[PathBuf], folder: &Path, global: &Global) -> Exit {
 }
 
 /// Writes the notice into the pages that were judged by earlier rules.
-fn mark(index: &Index, folder: &Path) -> std::io::Result<()> {
+fn notify(index: &Index, folder: &Path) -> std::io::Result<()> {
     for (name, _) in index.reports.iter().filter(|(_, report)| report.is_by_earlier_rules()) {
         let file = format!("{name}.md");
         let text = match bounded::text(&folder.join(&file), bounded::RECORD) {
@@ -83,9 +84,13 @@ pub fn suites_of(folder: &Path) -> Vec<PathBuf> {
     suites
 }
 
+/// The digests of the records' contents by the path of the page without `.md`.
+type Contents = BTreeMap<String, String>;
+
 /// Reads the suites and the records of the reports. `Err` is the exit code; everything has been said then.
-pub fn read(files: &[PathBuf], folder: &Path, global: &Global) -> Result<Index, Exit> {
-    let mut index = Index { reports: records(folder, global)?, ..Index::default() };
+pub fn read(files: &[PathBuf], folder: &Path, global: &Global) -> Result<(Index, Contents), Exit> {
+    let Found { records, contents, .. } = found(folder, global)?;
+    let mut index = Index { reports: records, ..Index::default() };
     for file in files {
         index.suites.push(listed(file, global)?);
     }
@@ -96,7 +101,7 @@ pub fn read(files: &[PathBuf], folder: &Path, global: &Global) -> Result<Index, 
             index.standings.insert(name.clone(), standing);
         }
     }
-    Ok(index)
+    Ok((index, contents))
 }
 
 fn listed(file: &Path, global: &Global) -> Result<Listed, Exit> {
@@ -134,9 +139,9 @@ fn page_of(suite: &Listed, reports: &BTreeMap<String, Sidecar>) -> String {
     }
 }
 
-/// The records of a folder by the path of the page without `.md`. Prints which pages cannot be verified.
+/// The records of a folder. Prints which pages cannot be verified.
 /// Returns an error if any file was changed after it was published.
-fn records(folder: &Path, global: &Global) -> Result<BTreeMap<String, Sidecar>, Exit> {
+fn found(folder: &Path, global: &Global) -> Result<Found, Exit> {
     let found = integrity::verify(folder);
     if !found.faults.is_empty() {
         found.faults.iter().for_each(|fault| pages::tell(fault, folder, global));
@@ -145,5 +150,5 @@ fn records(folder: &Path, global: &Global) -> Result<BTreeMap<String, Sidecar>, 
     if global.format != Format::Json {
         output::note(global, &pages::unverifiable(&found).unwrap_or_default());
     }
-    Ok(found.records)
+    Ok(found)
 }

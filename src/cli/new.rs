@@ -7,7 +7,7 @@ use serde_json::json;
 use super::specs::{self, Findings, Variant};
 use super::{Exit, Format, Global, output, suites};
 use crate::diag::{Severity, Sink, Sources};
-use crate::escape::shell;
+use crate::escape::{self, shell};
 use crate::robot;
 use crate::safe_fs;
 use crate::scaffold::{Build, Wish, actions, alone, child, robots, suite, tasks};
@@ -97,18 +97,21 @@ fn write(options: &Options, global: &Global) -> Result<String, Refusal> {
         Some(name) if file.extension().is_some_and(|ending| ending == "toml") => name.to_owned(),
         _ => {
             return refuse(
-                format!("`{}` is no name of a spec", file.display()),
+                format!("`{}` is no name of a spec", escape::file(file)),
                 "name a file that ends in `.toml`",
             );
         }
     };
     if !name.chars().all(|letter| letter.is_ascii_alphanumeric() || matches!(letter, '_' | '-')) {
-        return refuse(format!("`{name}` is no name of a spec"), "use letters, digits, `_` and `-`");
+        return refuse(
+            format!("`{}` is no name of a spec", escape::file(Path::new(&name))),
+            "use letters, digits, `_` and `-`",
+        );
     }
     let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {
         return refuse(
-            format!("there is no folder `{}`", folder.display()),
+            format!("there is no folder `{}`", escape::file(folder)),
             format!("`mkdir -p {}` makes it", shell::argument(folder)),
         );
     }
@@ -126,8 +129,11 @@ fn write(options: &Options, global: &Global) -> Result<String, Refusal> {
     let text = match &base {
         Some(base) if !options.standalone => child(&wish, base, schema_of(folder, base).as_deref()),
         None if options.extends => {
-            let missing =
-                format!("there is no `base/{}.toml` beside `{}` or in `specs/`", wish.task, file.display());
+            let missing = format!(
+                "there is no `base/{}.toml` beside `{}` or in `specs/`",
+                wish.task,
+                escape::file(file)
+            );
             return refuse(missing, "leave `--extends` out: the spec then holds everything itself");
         }
         _ => alone(&wish),
@@ -145,7 +151,7 @@ fn over(file: &Path, (name, folder): (&str, &Path), spec: &Path) -> Result<Strin
         let advice = file::elsewhere(&Disk, spec).unwrap_or_else(|| {
             "name the spec that the suite varies; `specforge new SPEC.toml` writes one".to_owned()
         });
-        return refuse(format!("file not found: `{}`", spec.display()), advice);
+        return refuse(format!("file not found: `{}`", escape::file(spec)), advice);
     }
     let outside = |error: std::io::Error| Refusal {
         message: format!("{}: {error}", spec.display()),
@@ -165,11 +171,11 @@ fn put(file: &Path, text: &str) -> Result<(), Refusal> {
     match safe_fs::create(file, text.as_bytes()) {
         Ok(()) => Ok(()),
         Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => refuse(
-            format!("`{}` is already there", file.display()),
+            format!("`{}` is already there", escape::file(file)),
             "choose another name, or remove the file first",
         ),
         Err(error) => Err(Refusal {
-            message: format!("`{}` cannot be written: {error}", file.display()),
+            message: format!("`{}` cannot be written: {error}", escape::file(file)),
             advice: "choose a folder that you may write to".to_owned(),
             exit: Exit::StageFailed,
         }),

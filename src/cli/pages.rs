@@ -9,9 +9,9 @@ use super::{Exit, Format, Global, output};
 use crate::report::integrity::{self, Fault, Found, Unverifiable};
 
 /// The diagnostic's code.
-const CODE: &str = "R0013";
+pub const CODE: &str = "R0013";
 
-/// Holds every record against its own digest, its page and its figures.
+/// Compares every record with its own digest, its values, its page and its figures, and the index with all records.
 pub fn check(folder: &Path, global: &Global) -> Exit {
     if !folder.is_dir() {
         let message = format!("{} is not a folder", folder.display());
@@ -20,7 +20,7 @@ pub fn check(folder: &Path, global: &Global) -> Exit {
     }
     let found = integrity::verify(folder);
     let (whole, differing) = (found.whole().len(), found.differing().len());
-    let faults = || found.faults.iter().chain(&found.unmarked);
+    let faults = || found.faults.iter().chain(&found.unwritten);
     if global.format == Format::Json {
         let faults = faults().map(|Fault { report, file, reason, fix }| {
             json!({ "code": CODE, "report": report, "file": file, "reason": reason, "help": fix })
@@ -32,6 +32,7 @@ pub fn check(folder: &Path, global: &Global) -> Exit {
             "whole": whole,
             "differing": faults.collect::<Vec<_>>(),
             "unverifiable": unverifiable.collect::<Vec<_>>(),
+            "runs": found.runs,
         }));
     } else {
         faults().for_each(|fault| tell(fault, folder, global));
@@ -40,6 +41,9 @@ pub fn check(folder: &Path, global: &Global) -> Exit {
             &format!("reports unchanged since they were rendered: {whole}; changed: {differing}"),
         );
         output::note(global, &unverifiable(&found).unwrap_or_default());
+        if found.runs > 0 {
+            output::note(global, &format!("records of runs that are as they were written: {}", found.runs));
+        }
     }
     if differing == 0 { Exit::Ok } else { Exit::StageFailed }
 }

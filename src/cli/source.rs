@@ -4,11 +4,12 @@
 use std::path::{Path, PathBuf};
 
 use super::comparison::{Comparison, Reported, lowered, place_in, project};
-use super::specs::{self, Findings, Variant};
+use super::specs::{self, Findings, Told, Variant};
 use super::{Exit, Global, compared, output, suites, walk};
 use crate::bounded;
 use crate::check::{Checked, unrunnable};
 use crate::diag::{Diagnostic, Sources};
+use crate::escape;
 use crate::plan::{Arm, Plan, PlanError, Request, SavedError, Shared, same_results};
 use crate::spec::Table;
 
@@ -55,7 +56,7 @@ pub fn saved(file: &Path, global: &Global) -> Result<Comparison, Exit> {
         Err(error) if error.is_absence() => {
             let advice = "write a plan with `specforge plan SPEC --save PLAN.json`";
             let missing =
-                Diagnostic::error("E0004", format!("file not found: `{}`", file.display())).help(advice);
+                Diagnostic::error("E0004", format!("file not found: `{}`", escape::file(file))).help(advice);
             specs::tell(&[Findings::of(Sources::default(), vec![missing]).in_file(file)], global);
             return Err(Exit::Invalid);
         }
@@ -103,7 +104,7 @@ fn from_specs(files: &[PathBuf], variant: &Variant, global: &Global) -> Result<C
     // With the spec that compares itself with the file, and which entry of its list that is.
     let mut open: Vec<(PathBuf, Option<(usize, usize)>)> =
         files.iter().map(|file| (file.clone(), None)).collect();
-    let mut seen = Vec::new();
+    let (mut seen, mut told) = (Vec::new(), Told::default());
     let mut place = None;
     // The specs that were only compared with, and the entries that name them.
     let mut entries: Vec<Entry> = Vec::new();
@@ -115,7 +116,7 @@ fn from_specs(files: &[PathBuf], variant: &Variant, global: &Global) -> Result<C
         }
         seen.push(identity);
         let by = named.map(|(spec, entry)| (&specs[spec], entry));
-        let checked = comparable(&file, by, variant, global)?;
+        let checked = comparable(&file, by, variant, &mut told, global)?;
         let Some((experiment, _)) = checked.sound() else { return Err(Exit::Invalid) };
         if named.is_none() {
             // A spec that is only compared with does not bring its own comparisons.
@@ -174,6 +175,7 @@ fn comparable(
     file: &Path,
     by: Option<(&Checked, usize)>,
     variant: &Variant,
+    told: &mut Told,
     global: &Global,
 ) -> Result<Checked, Exit> {
     let tell = |sources: &Sources, diagnostic: Diagnostic| {
@@ -185,7 +187,7 @@ fn comparable(
     {
         return Err(tell(&by.sources, error));
     }
-    let checked = specs::require(file, variant, global).inspect_err(|_| {
+    let checked = specs::require_among(file, variant, told, global).inspect_err(|_| {
         if let Some(name) = by.and_then(|(by, _)| by.experiment.as_ref()).map(|experiment| &experiment.name) {
             let chosen = variant
                 .profile

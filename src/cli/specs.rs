@@ -1,6 +1,7 @@
 //! What the commands that read specs share: the options that choose a variant, the files behind the
 //! arguments, and printing what was found.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::{Exit, Format, Global, output, walk};
@@ -67,9 +68,31 @@ impl Findings {
     }
 }
 
+/// What was told of several specs or variants: a finding in what they share is told once.
+#[derive(Default)]
+pub struct Told(BTreeSet<String>);
+
+impl Told {
+    /// Whether a finding was not told yet. It is then.
+    pub fn is_new(&mut self, sources: &Sources, found: &Diagnostic) -> bool {
+        let place = found.labels.first().map(|label| sources.place(label.span)).unwrap_or_default();
+        self.0.insert(format!("{} {place} {}", found.code, found.message))
+    }
+}
+
 /// Loads and checks one spec and prints what was found; `Err` is the exit code when there are errors. With
 /// `--format json` errors go to standard output as the document of `check`.
 pub fn require(path: &Path, variant: &Variant, global: &Global) -> Result<Checked, Exit> {
+    require_among(path, variant, &mut Told::default(), global)
+}
+
+/// The same of one of several specs: prints what was not told of the others.
+pub fn require_among(
+    path: &Path,
+    variant: &Variant,
+    told: &mut Told,
+    global: &Global,
+) -> Result<Checked, Exit> {
     if is_suite(path) {
         let message = format!("{} is a suite, and this takes a single spec", path.display());
         output::complain(
@@ -79,13 +102,11 @@ pub fn require(path: &Path, variant: &Variant, global: &Global) -> Result<Checke
         );
         return Err(Exit::Usage);
     }
-    let mut checked = checked(path, &variant.options());
-    let diagnostics = std::mem::take(&mut checked.sink.diagnostics);
-    let findings = [Findings::of(checked.sources.clone(), diagnostics).in_file(path)];
-    let failed = tell(&findings, global);
-    let [findings] = findings;
-    checked.sink.diagnostics = findings.diagnostics;
-    if failed || checked.experiment.is_none() { Err(Exit::Invalid) } else { Ok(checked) }
+    let checked = checked(path, &variant.options());
+    let mut diagnostics = checked.sink.diagnostics.clone();
+    diagnostics.retain(|found| told.is_new(&checked.sources, found));
+    tell(&[Findings::of(checked.sources.clone(), diagnostics).in_file(path)], global);
+    if checked.sink.has_errors() || checked.experiment.is_none() { Err(Exit::Invalid) } else { Ok(checked) }
 }
 
 /// Prints diagnostics, with `--format json` as the document of `check`: errors on standard output, warnings

@@ -5,16 +5,20 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
+use super::pages::CODE;
 use super::specs::{self, Findings};
 use super::{Exit, Format, Global, output};
 use crate::diag::{Diagnostic, Sources};
+use crate::escape;
 use crate::escape::terminal::one_line;
+use crate::report::digests::{self, Digests};
 use crate::report::estimate::Estimate;
 use crate::report::fields::lies_in;
 use crate::report::sidecar::{ArmRecord, Item, RecordError, Sidecar, TracedCell};
 use crate::report::source::Source;
 use crate::report::table::Cell;
 use crate::report::wording::with_interval;
+use crate::safe_fs;
 
 /// Arguments of `trace`.
 #[derive(Debug, clap::Args)]
@@ -52,13 +56,14 @@ fn cells_of<'a>(item: &'a Item, row: &str) -> Vec<&'a TracedCell> {
 /// Prints where a figure or a cell comes from.
 pub fn run(options: &Options, global: &Global) -> Exit {
     let target = target(&options.target);
-    let sidecar = match read(&target.sidecar) {
-        Ok(sidecar) => sidecar,
+    let read = match read(&target.sidecar) {
+        Ok(read) => read,
         Err(error) => {
             let advice = "name a figure (reports/NAME/speed.svg) or a report's cell \
                 (reports/NAME.md#evaluation.survival)";
             if error.is_absence() {
-                let (named, record) = (&options.target, target.sidecar.display());
+                let named = escape::file(Path::new(&options.target));
+                let record = escape::file(&target.sidecar);
                 let message =
                     format!("file not found: `{record}`, the record of the report that `{named}` belongs to");
                 let missing = Diagnostic::error("E0004", message).help(advice);
@@ -68,26 +73,33 @@ pub fn run(options: &Options, global: &Global) -> Exit {
                 );
                 return Exit::Invalid;
             }
-            if matches!(error, RecordError::Changed { .. }) {
+            if matches!(error, RecordError::Changed { .. } | RecordError::Unsealed { .. }) {
                 let advice = "restore it from version control; `specforge report --check` names all files \
                     that were changed";
-                output::fault(global, Some("R0013"), &error.to_string(), Some(advice));
+                output::fault(global, Some(CODE), &error.to_string(), Some(advice));
                 return Exit::StageFailed;
             }
             output::complain(global, &error.to_string(), Some(advice));
             return Exit::Usage;
         }
     };
+    let page = format!("{}.md", read.record.report);
+    let sidecar = &read.record;
+    let figure = target.item.as_ref().and_then(|(id, _)| named(sidecar, id, target.kind));
+    let file = figure.map(|item| &item.file).filter(|file| !file.is_empty()).unwrap_or(&page);
+    if let Some(reason) = read.mismatch(file) {
+        let message = format!("{}: {reason}", read.folder().join(file).display());
+        let advice = "restore it from version control, or render the report again; `specforge report --check` \
+            names all files that were changed";
+        output::fault(global, Some(CODE), &message, Some(advice));
+        return Exit::StageFailed;
+    }
     let Some((id, row)) = target.item else {
-        list(&sidecar, global);
+        list(sidecar, global);
         return Exit::Ok;
     };
-    let Some(item) = named(&sidecar, &id, target.kind) else {
-        output::complain(
-            global,
-            &format!("the report has no figure or table `{id}`"),
-            Some(&known(&sidecar)),
-        );
+    let Some(item) = named(sidecar, &id, target.kind) else {
+        output::complain(global, &format!("the report has no figure or table `{id}`"), Some(&known(sidecar)));
         return Exit::Usage;
     };
     let cells = row.as_ref().map_or_else(|| item.cells.iter().collect(), |row| cells_of(item, row));
@@ -105,8 +117,8 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     }
     let cells = if row.is_some() { cells } else { Vec::new() };
     match global.format {
-        Format::Json => output::json(&document(&sidecar, item, &cells)),
-        _ => output::data(&text(&sidecar, item, &cells, global.verbose > 0)),
+        Format::Json => output::json(&document(sidecar, item, &cells)),
+        _ => output::data(&text(sidecar, item, &cells, global.verbose > 0)),
     }
     Exit::Ok
 }
@@ -140,11 +152,40 @@ fn appended(report: &Path) -> PathBuf {
     name.into()
 }
 
+/// A record with the digests of its page and figures.
+struct Read {
+    path: PathBuf,
+    record: Sidecar,
+    digests: Digests,
+}
+
+impl Read {
+    fn folder(&self) -> &Path {
+        safe_fs::folder_of(&self.path)
+    }
+
+    /// Why a file of the report is not the one that its record is of.
+    fn mismatch(&self, file: &str) -> Option<String> {
+        let Self { path, record, digests } = self;
+        if path.file_stem().is_none_or(|name| name != record.report.as_str()) {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            return Some(format!("`{name}` is the record of another page, `{}`", record.report));
+        }
+        let Some(digest) = digests.get(file) else {
+            return Some("it does not match its record, which has no digest of it".to_owned());
+        };
+        let found = digests::differences(self.folder(), &Digests::from([(file.to_owned(), digest.clone())]));
+        found.into_iter().next().map(|found| format!("it does not match its record: {}", found.reason))
+    }
+}
+
 /// Reads a report's record: the file as it is named or, as the pages name it, the one in `reports`.
-fn read(path: &Path) -> Result<Sidecar, RecordError> {
+fn read(path: &Path) -> Result<Read, RecordError> {
     let beside = Path::new("reports").join(path);
     let path = if !path.is_file() && beside.is_file() { beside.as_path() } else { path };
-    Sidecar::read_whole(path)
+    let (record, seal) = Sidecar::open_whole(path)?;
+    let digests = record.digests_by(&seal);
+    Ok(Read { path: path.to_owned(), record, digests })
 }
 
 fn known(sidecar: &Sidecar) -> String {

@@ -80,7 +80,7 @@ pub fn identity(file: &Path) -> PathBuf {
 }
 
 fn too_large(folder: &Path, why: &str) -> Diagnostic {
-    let message = format!("cannot search `{}`: {why}", folder.display());
+    let message = format!("cannot search `{}`: {why}", crate::escape::file(folder));
     Diagnostic::error("E0008", message).help("name the folder that holds the specs, such as `specs`")
 }
 

@@ -28,6 +28,29 @@ pub fn verbatim(text: &str) -> String {
     one_line(text).replace('`', "'")
 }
 
+/// A line within a fenced block, whose fence it does not close.
+pub fn fenced(text: &str) -> String {
+    let text = one_line(text);
+    let closes = ["```", "~~~"].iter().any(|fence| text.trim_start().starts_with(fence));
+    if closes { format!("\\{text}") } else { text }
+}
+
+/// A name as code in a sentence: whatever is in it, nothing of it ends the code or acts. A name without backquotes
+/// stands between two of them.
+pub fn code(name: &str) -> String {
+    let name = one_line(name);
+    let mut run = 0;
+    let mut longest = 0;
+    for letter in name.chars() {
+        run = if letter == '`' { run + 1 } else { 0 };
+        longest = longest.max(run);
+    }
+    let fence = "`".repeat(longest + 1);
+    // A backquote at an end would join the fence.
+    let pad = if longest > 0 { " " } else { "" };
+    format!("{fence}{pad}{name}{pad}{fence}")
+}
+
 /// The description of an image or the words of a link: no brackets of its own.
 pub fn label(text: &str) -> String {
     inline(text).replace('[', "\\[").replace(']', "\\]").replace("\\\\[", "\\[").replace("\\\\]", "\\]")
@@ -64,7 +87,7 @@ fn sentence(text: &str, place: Place) -> String {
     let mut rest = begun(&text, &mut out);
     while let Some(letter) = rest.chars().next() {
         let taken = match letter {
-            '`' => code(rest, place, &mut out),
+            '`' => backticks(rest, place, &mut out),
             '\\' => backslash(rest, place, &mut out),
             _ => written(rest, letter, place, &mut out),
         };
@@ -102,7 +125,7 @@ fn begun<'a>(text: &'a str, out: &mut String) -> &'a str {
 }
 
 /// A run of backticks: the code span that it opens, or the backticks themselves. How much was taken.
-fn code(rest: &str, place: Place, out: &mut String) -> usize {
+fn backticks(rest: &str, place: Place, out: &mut String) -> usize {
     let run = rest.len() - rest.trim_start_matches('`').len();
     let Some(length) =
         span(rest, run).filter(|length| place == Place::Paragraph || !rest[..*length].contains("\\|"))
@@ -300,5 +323,19 @@ mod tests {
         assert_eq!(label("![a](//b)"), "!\\[a\\]\\(//b)");
         assert_eq!(target("a b/c(d).svg"), "a%20b/c%28d%29.svg");
         assert_eq!(verbatim("a`b\n```"), "a'b '''");
+        assert_eq!(fenced("specforge run 'a`b.toml'\n"), "specforge run 'a`b.toml' ");
+        assert_eq!((fenced(" ```x"), fenced("~~~")), ("\\ ```x".to_owned(), "\\~~~".to_owned()));
+    }
+
+    #[test]
+    fn a_name_is_code_whatever_is_in_it() {
+        assert_eq!(code("specs/walk.toml"), "`specs/walk.toml`");
+        assert_eq!(code("a`b.toml"), "`` a`b.toml ``");
+        assert_eq!(code("``a`"), "``` ``a` ```");
+        assert_eq!(code("a\n*b*"), "`a *b*`");
+        let hostile = "x`**PASS** [y](z.md) <b>`";
+        for text in [inline(&code(hostile)), cell(&code(hostile))] {
+            assert_eq!(text, format!("`` {hostile} ``"));
+        }
     }
 }

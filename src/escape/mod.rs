@@ -10,4 +10,11 @@ pub mod terminal;
 pub mod toml;
 pub mod xml;
 
+use std::path::Path;
+
 pub use hidden::is_hidden;
+
+/// A file's name as it stands between backquotes in a message: a backquote of its own does not end it there.
+pub fn file(path: &Path) -> String {
+    path.display().to_string().replace('`', "\\u0060")
+}

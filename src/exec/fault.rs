@@ -191,9 +191,10 @@ impl StoreError {
                  itself may be a link",
             ),
             Self::Foreign { .. } => Some("remove the artefact and run again: the report is rendered anew"),
-            Self::NotAStore { .. } => {
-                Some("name the store's folder with `--store DIR`; a new store needs a folder of its own")
-            }
+            Self::NotAStore { .. } => Some(
+                "name the store's folder with `--store DIR`, or a folder that is empty or does not exist yet: a new store \
+                     is made there",
+            ),
             Self::Mark { flaw: Flaw::Layout(_), .. } => {
                 Some("use the version of specforge that made it, or another store: `--store DIR`")
             }

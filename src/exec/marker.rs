@@ -30,8 +30,6 @@ pub enum Identity {
     Other {
         /// Why it is not a store.
         reason: String,
-        /// Whether something stands where a store would have its own files.
-        occupied: bool,
         /// Whether nothing in it belongs to somebody else: an empty folder, or a store that is just being
         /// made.
         vacant: bool,
@@ -83,17 +81,12 @@ pub fn identity(root: &Path) -> Result<Identity, StoreError> {
             Part::Wrong(inner) => wrong = wrong.or(Some(inner)),
         }
     }
-    let occupied = wrong.is_some();
     Ok(match wrong.or(strange) {
         None if artefacts > 0 => Identity::Unmarked,
-        None => Identity::Other { reason: "it holds no artefact".into(), occupied, vacant: true },
+        None => Identity::Other { reason: "it holds no artefact".into(), vacant: true },
         Some(path) => {
             let path = path.strip_prefix(root).unwrap_or(&path).display().to_string();
-            Identity::Other {
-                reason: format!("`{path}` does not belong to a store"),
-                occupied,
-                vacant: false,
-            }
+            Identity::Other { reason: format!("`{path}` does not belong to a store"), vacant: false }
         }
     })
 }
@@ -213,28 +206,28 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let (root, key) = (folder.path(), "0123456789abcdef".repeat(4));
         assert_eq!(identity(&root.join("none")).expect("readable"), Identity::Absent);
-        let other = |occupied: bool| match identity(root).expect("readable") {
-            Identity::Other { occupied: found, reason, .. } => assert_eq!(found, occupied, "{reason}"),
+        let other = |is_vacant: bool| match identity(root).expect("readable") {
+            Identity::Other { vacant, reason } => assert_eq!(vacant, is_vacant, "{reason}"),
             found => panic!("{found:?}"),
         };
-        other(false);
+        other(true);
         write(root.join("locks").join(&key));
         write(root.join("journal.jsonl"));
-        other(false);
+        other(true);
         write(root.join("learner").join(&key).join("manifest.json"));
         assert_eq!(identity(root).expect("readable"), Identity::Unmarked);
         // Each of these is somebody else's.
-        for (path, occupied) in [
-            ("holiday.jpg", false),
-            ("damaged/holiday.jpg", true),
-            ("damaged/learner-x-1", true),
-            ("scratch/notes", true),
-            ("tmp/holiday.jpg", true),
-            ("robot/holiday.jpg", true),
-            ("journal.seal/page", true),
+        for path in [
+            "holiday.jpg",
+            "damaged/holiday.jpg",
+            "damaged/learner-x-1",
+            "scratch/notes",
+            "tmp/holiday.jpg",
+            "robot/holiday.jpg",
+            "journal.seal/page",
         ] {
             write(root.join(path));
-            other(occupied);
+            other(false);
             let top = root.join(path.split('/').next().expect("a name"));
             let removed = if top.is_dir() { fs::remove_dir_all(&top) } else { fs::remove_file(&top) };
             removed.expect("it was just written");
@@ -242,7 +235,7 @@ mod tests {
         write(root.join("damaged/learner-0123456789ab-1"));
         assert_eq!(identity(root).expect("readable"), Identity::Unmarked);
         std::os::unix::fs::symlink(root, root.join("scratch")).expect("a link");
-        other(true);
+        other(false);
         mark(root).expect("it can be written");
         assert_eq!(identity(root).expect("readable"), Identity::Marked);
     }
@@ -275,6 +268,6 @@ mod tests {
             assert!(matches!(flaw(&text), Flaw::Damaged(_)), "{text:?}");
         }
         fs::remove_file(root.join(FILE)).expect("it is there");
-        assert!(matches!(identity(root), Ok(Identity::Other { occupied: false, .. })));
+        assert!(matches!(identity(root), Ok(Identity::Other { .. })));
     }
 }

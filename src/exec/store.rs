@@ -36,15 +36,21 @@ impl Store {
         &self.root
     }
 
-    /// Creates the store's folders, makes sure that they can be written, and removes what killed runs
-    /// have left in `tmp/`. A folder that holds something else in the place of the store's own files is
-    /// refused.
-    pub fn prepare(&self) -> Result<(), StoreError> {
+    /// What its folder is; E0813 when that is somebody else's, in which no store is made.
+    pub fn identity(&self) -> Result<Identity, StoreError> {
         self.refuse_links()?;
-        let identity = marker::identity(&self.root)?;
-        if let Identity::Other { reason, occupied: true, .. } = identity {
-            return Err(StoreError::NotAStore { path: self.root.clone(), reason });
+        match marker::identity(&self.root)? {
+            Identity::Other { reason, vacant: false } => {
+                Err(StoreError::NotAStore { path: self.root.clone(), reason })
+            }
+            identity => Ok(identity),
         }
+    }
+
+    /// Creates the store's folders, makes sure that they can be written, and removes what killed runs
+    /// have left in `tmp/`. A folder that holds anything else is refused: a store has a folder of its own.
+    pub fn prepare(&self) -> Result<(), StoreError> {
+        let identity = self.identity()?;
         for folder in ["", "tmp", "scratch", "locks"] {
             let path = self.root.join(folder);
             fs::create_dir_all(&path).map_err(|error| StoreError::writing(&path, error))?;
@@ -65,16 +71,6 @@ impl Store {
         let _ = fs::remove_file(&probe);
         self.sweep();
         Ok(())
-    }
-
-    /// The same for a command that only puts something into a store, and makes none beside other files.
-    pub fn prepare_alone(&self) -> Result<(), StoreError> {
-        match marker::identity(&self.root)? {
-            Identity::Other { reason, vacant: false, .. } => {
-                Err(StoreError::NotAStore { path: self.root.clone(), reason })
-            }
-            _ => self.prepare(),
-        }
     }
 
     /// The store's folder may be a symbolic link; what lies in it may not, or a run would write somewhere

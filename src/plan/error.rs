@@ -56,6 +56,17 @@ pub enum PlanError {
         /// The contradiction.
         reason: String,
     },
+    /// A plan file whose parts are not those that were saved.
+    #[error("the plan was edited after it was saved: {parts} {}not what was saved{}", verb(.parts), reason(.found))]
+    Edited {
+        /// The places in the file, as code.
+        parts: String,
+        /// What else is known; may be empty.
+        found: String,
+    },
+    /// A plan file without digests.
+    #[error("the plan has no digests of its parts: they were removed, or it is of a version before them")]
+    Undigested,
     /// A plan file of a version that computed a stage's numbers differently.
     #[error(
         "the plan was saved by another version of specforge: the stage `{stage}` has {found}, this version \
@@ -71,7 +82,25 @@ pub enum PlanError {
     },
 }
 
+fn verb(parts: &str) -> &'static str {
+    if parts.contains(", ") { "are " } else { "is " }
+}
+
+fn reason(found: &str) -> String {
+    if found.is_empty() { String::new() } else { format!(" ({found})") }
+}
+
 impl PlanError {
+    /// What a file of another version says in the place of this one.
+    pub(super) fn found(&self) -> String {
+        match self {
+            Self::Version { stage, found, now } => {
+                format!("the stage `{stage}` has {found}, this version {now}")
+            }
+            other => other.to_string(),
+        }
+    }
+
     /// The affected arm and path in its spec, if the spec is the cause.
     pub fn place(&self) -> Option<(&str, &str)> {
         match self {
@@ -91,6 +120,8 @@ impl PlanError {
             Self::SameName { .. } => Some("give each spec its own `name`"),
             Self::Tampered { .. }
             | Self::Contradiction { .. }
+            | Self::Edited { .. }
+            | Self::Undigested
             | Self::Version { .. }
             | Self::Unused { .. } => Some("save the plan again: `specforge plan SPEC --save PLAN.json`"),
             _ => None,
@@ -111,7 +142,11 @@ impl PlanError {
     pub fn code(&self) -> &'static str {
         match self {
             Self::Cycle { .. } => "E0801",
-            Self::Tampered { .. } | Self::Contradiction { .. } | Self::Unused { .. } => "E0811",
+            Self::Tampered { .. }
+            | Self::Contradiction { .. }
+            | Self::Edited { .. }
+            | Self::Undigested
+            | Self::Unused { .. } => "E0811",
             Self::Version { .. } => "E0812",
             _ => "E0802",
         }

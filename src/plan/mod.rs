@@ -4,6 +4,7 @@
 mod alike;
 mod arm;
 mod defaults;
+pub mod digests;
 mod draft;
 mod error;
 pub mod fingerprint;

@@ -11,6 +11,7 @@ use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::arm::{Arm, Runs};
+use super::digests::{self, Digests};
 use super::error::PlanError;
 use super::fingerprint::{Fingerprint, canonical_json};
 use super::graph::{ArmRecord, Plan, Stage};
@@ -21,6 +22,9 @@ use super::{alike, revision, stage};
 use crate::spec::suite::product::arm_name;
 use crate::spec::{Table, Value};
 
+/// The code of the errors that name what was edited.
+const EDITED: &str = "E0811";
+
 /// The layout of a plan file.
 #[derive(Serialize, Deserialize)]
 struct PlanFile {
@@ -30,6 +34,9 @@ struct PlanFile {
     suite: Option<SuiteRecord>,
     #[serde(deserialize_with = "alike::list")]
     stages: Vec<Stage>,
+    /// The digests of its parts, by which an edited file is told from one of another version.
+    #[serde(default)]
+    digests: Digests,
 }
 
 /// Why a file is not a plan.
@@ -64,7 +71,9 @@ impl<'de> Deserialize<'de> for Plan {
 
 impl From<Plan> for PlanFile {
     fn from(plan: Plan) -> Self {
-        Self { stages: plan.stages().cloned().collect(), suite: plan.suite, arms: plan.arms }
+        let stages: Vec<Stage> = plan.stages().cloned().collect();
+        let digests = digests::of(&plan.arms, plan.suite.as_ref(), &stages);
+        Self { stages, suite: plan.suite, arms: plan.arms, digests }
     }
 }
 
@@ -72,23 +81,40 @@ impl TryFrom<PlanFile> for Plan {
     type Error = PlanError;
 
     fn try_from(file: PlanFile) -> Result<Self, PlanError> {
-        file.stages.iter().try_for_each(|stage| own_copies(stage, &file.arms))?;
-        names(&file)?;
-        if let Some(suite) = &file.suite {
-            runs(suite, &file.arms)?;
+        if file.digests.is_empty() {
+            return Err(PlanError::Undigested);
         }
-        for (arm, source) in
-            file.arms.iter().flat_map(|arm| sources(&file, arm).map(move |source| (arm, source)))
-        {
-            texts(&source, "").map_err(|reason| contradiction(format!("arm `{}`", arm.name), reason))?;
+        let edited =
+            digests::differing(&file.digests, &digests::of(&file.arms, file.suite.as_ref(), &file.stages));
+        match derived(file) {
+            Ok(plan) if edited.is_empty() => Ok(plan),
+            Ok(_) => Err(PlanError::Edited { parts: edited.join(", "), found: String::new() }),
+            // Only a file that is as it was saved tells of another version, or of a spec that is to blame.
+            Err(error) if !edited.is_empty() && error.code() != EDITED => {
+                Err(PlanError::Edited { parts: edited.join(", "), found: error.found() })
+            }
+            Err(error) => Err(error),
         }
-        let mut derived = lower(&arms(&file)?, report(&file)?.as_ref())?;
-        derived.suite.clone_from(&file.suite);
-        if let Some((place, reason)) = difference(&file, &derived) {
-            return Err(contradiction(place, reason));
-        }
-        Ok(derived)
     }
+}
+
+/// The plan that the arms of a file make, which is what the file says.
+fn derived(file: PlanFile) -> Result<Plan, PlanError> {
+    file.stages.iter().try_for_each(|stage| own_copies(stage, &file.arms))?;
+    names(&file)?;
+    if let Some(suite) = &file.suite {
+        runs(suite, &file.arms)?;
+    }
+    for (arm, source) in file.arms.iter().flat_map(|arm| sources(&file, arm).map(move |source| (arm, source)))
+    {
+        texts(&source, "").map_err(|reason| contradiction(format!("arm `{}`", arm.name), reason))?;
+    }
+    let mut derived = lower(&arms(&file)?, report(&file)?.as_ref())?;
+    derived.suite.clone_from(&file.suite);
+    if let Some((place, reason)) = difference(&file, &derived) {
+        return Err(contradiction(place, reason));
+    }
+    Ok(derived)
 }
 
 fn contradiction(place: String, reason: String) -> PlanError {
@@ -387,7 +413,7 @@ mod tests {
             }
         };
         let arms: Vec<ArmRecord> = (1..=3).map(arm).collect();
-        let file = PlanFile { arms: arms.clone(), suite: None, stages: Vec::new() };
+        let file = PlanFile { arms: arms.clone(), suite: None, stages: Vec::new(), digests: Digests::new() };
         let text = serde_json::to_string(&file).expect("plain data");
         let read: PlanFile = serde_json::from_str(&text).expect("it was just written");
         assert_eq!(read.arms, arms);

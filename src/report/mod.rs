@@ -29,7 +29,6 @@ pub mod publish;
 pub mod render;
 pub mod returns;
 pub mod runs;
-pub mod seal;
 pub mod sidecar;
 pub mod source;
 pub mod suite;

@@ -201,8 +201,8 @@ fn undefined_at(
 
 fn unknown_filter(filter: &str, span: Span) -> Diagnostic {
     Diagnostic::error("E0903", format!("unknown filter `{filter}`")).at(span, "no such filter").help(
-        "specforge adds `pm`, `number`, `cell`, `count`, `duration`, `short`, `alt`, `url` and \
-            `verbatim` to those of Jinja",
+        "specforge adds `pm`, `number`, `cell`, `count`, `duration`, `short`, `alt`, `url`, \
+         `verbatim`, `code` and `fenced` to those of Jinja",
     )
 }
 

@@ -146,6 +146,8 @@ fn environment(templates: &Templates) -> Environment<'static> {
     environment.add_filter("alt", |text: String| Value::from_safe_string(markdown::label(&text)));
     environment.add_filter("url", |path: String| Value::from_safe_string(markdown::target(&path)));
     environment.add_filter("verbatim", |text: String| Value::from_safe_string(markdown::verbatim(&text)));
+    environment.add_filter("fenced", |text: String| Value::from_safe_string(markdown::fenced(&text)));
+    environment.add_filter("code", |text: String| Value::from_safe_string(markdown::code(&text)));
     environment.add_filter("count", |value: u64| wording::count(value));
     environment.add_filter("duration", |value: f64| wording::duration(value));
     environment.add_filter("short", |value: String| wording::short(&value).to_string());

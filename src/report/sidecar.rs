@@ -13,7 +13,6 @@ use super::figure::Figure;
 use super::model::{Arm, ReportInput, StageRecord};
 use super::page::{Page, figure_file};
 use super::runs::{self, RunRecord};
-use super::seal::{self, Seal};
 use super::source::Source;
 use super::table::setup::budget_samples;
 use super::table::{Cell, Table};
@@ -21,12 +20,14 @@ use super::tasks::{self, TaskRecord};
 use super::wording;
 use crate::bounded;
 use crate::plan::TUNED_ENV;
+use crate::seal::unsealed::Unsealed;
+use crate::seal::{self, Seal};
 
 /// Stages that only prepare: with nothing else there is no result to report.
 const PREPARES: [&str; 6] = ["robot", "motion", "env", "controller", "pretrain", TUNED_ENV];
 
 /// The rules by which claims are judged today (docs/explanation/statistics.md). Raised whenever the same
-/// values give another verdict.
+/// values give another verdict, p value or estimate.
 pub const RULES: u32 = 2;
 
 /// Whether a stage's artefact is a result: something was learned, measured or made for use.
@@ -198,6 +199,12 @@ pub enum RecordError {
         /// The file.
         path: PathBuf,
     },
+    /// It lacks the digest of itself.
+    #[error("{}: {}", path.display(), seal::REMOVED)]
+    Unsealed {
+        /// The file.
+        path: PathBuf,
+    },
 }
 
 impl RecordError {
@@ -220,23 +227,43 @@ impl Sidecar {
         Self::open(path).map(|(record, _)| record)
     }
 
-    /// Reads a record that is as it was written, or one that cannot say.
+    /// Reads a record that is as it was written.
     pub fn read_whole(path: &Path) -> Result<Self, RecordError> {
+        Self::open_whole(path).map(|(record, _)| record)
+    }
+
+    /// The same, with how it stands to its digest: whole, or of before there were any.
+    pub fn open_whole(path: &Path) -> Result<(Self, Seal), RecordError> {
         match Self::open(path)? {
             (_, Seal::Broken) => Err(RecordError::Changed { path: path.to_owned() }),
-            (record, Seal::Whole | Seal::Absent) => Ok(record),
+            (_, Seal::Absent) => Err(RecordError::Unsealed { path: path.to_owned() }),
+            (record, seal @ (Seal::Whole | Seal::Earlier(_))) => Ok((record, seal)),
         }
     }
 
-    /// Reads a record and holds it against its own digest.
+    /// Reads a record and compares it with its own digest.
     pub fn open(path: &Path) -> Result<(Self, Seal), RecordError> {
+        Self::open_by(path, Unsealed::known())
+    }
+
+    /// The same by a list of the records that may lack a digest.
+    pub fn open_by(path: &Path, unsealed: &Unsealed) -> Result<(Self, Seal), RecordError> {
         let path = path.to_owned();
         let text = match bounded::text(&path, bounded::RECORD) {
             Ok(text) => text,
             Err(error) => return Err(RecordError::Unreadable { path, source: error.into() }),
         };
         let record = serde_json::from_str(&text).map_err(|source| RecordError::Malformed { path, source })?;
-        Ok((record, seal::state(&text)))
+        Ok((record, seal::state(&text, unsealed)))
+    }
+
+    /// The digests of the page and its figures, of a record of before it had any those that are known of it.
+    pub fn digests_by(&self, seal: &Seal) -> Digests {
+        let mut digests = self.digests.clone();
+        if let Seal::Earlier(earlier) = seal {
+            digests.extend(earlier.files.clone());
+        }
+        digests
     }
 
     /// The record with the digest of its content.

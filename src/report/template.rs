@@ -47,7 +47,8 @@ impl Templates {
                 Ok(text) => return Ok(Some(Template { path, text })),
                 Err(error) if is_absence(&error) => {}
                 Err(error) => {
-                    let message = format!("cannot read the template `{}`: {error}", path.display());
+                    let message =
+                        format!("cannot read the template `{}`: {error}", crate::escape::file(&path));
                     let help = "make it a text in UTF-8 that may be read, at most 1 MiB large, or remove it";
                     return Err(Box::new(Diagnostic::error("E0906", message).help(help)));
                 }

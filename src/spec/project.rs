@@ -83,7 +83,7 @@ impl Shelf<'_> {
         }
         let known = self.names(files, Some(folder));
         let error = Diagnostic::error(self.code, format!("unknown {} `{name}`", self.noun));
-        let error = error.at(place, format!("`{}` is missing", path.display()));
+        let error = error.at(place, format!("`{}` is missing", crate::escape::file(&path)));
         let error = match nearest(name, known.iter().map(String::as_str)) {
             Some(near) => error.help(format!("did you mean `{near}`?")).fix(place, format!("\"{near}\"")),
             None => {
@@ -115,7 +115,7 @@ impl Shelf<'_> {
 
     /// That the project's file of this name hides the one that comes with the program (W0421).
     pub fn replaced(&self, name: &str, path: &Path) -> Diagnostic {
-        let (noun, path) = (self.noun, path.display());
+        let (noun, path) = (self.noun, crate::escape::file(path));
         Diagnostic::warning(
             "W0421",
             format!("`{path}` replaces the {noun} `{name}` that comes with specforge"),

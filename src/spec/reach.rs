@@ -56,7 +56,7 @@ impl Reach {
         if self.place(files, path) != Place::Outside {
             return None;
         }
-        let message = format!("`{}` is outside of the project", path.display());
+        let message = format!("`{}` is outside of the project", crate::escape::file(path));
         let error = Diagnostic::error("E0110", message);
         let target = led(files, path);
         if matches!(files.sort(&target), Ok(Sort::Folder)) {

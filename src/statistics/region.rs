@@ -32,6 +32,17 @@ impl Region {
         self.centre
     }
 
+    /// The region between two boundaries, of which one may be absent; `None` without any.
+    pub fn between(bounds: [Option<f64>; 2]) -> Option<Self> {
+        let (centre, relation, distance) = match bounds {
+            [Some(low), Some(high)] => (0.5 * (low + high), Relation::Equal, 0.5 * (high - low)),
+            [Some(low), None] => (low, Relation::Greater, 0.0),
+            [None, Some(high)] => (high, Relation::Less, 0.0),
+            [None, None] => return None,
+        };
+        Some(Self { centre, relation, distance })
+    }
+
     /// A number inside the region or at its end: the boundary, or the middle of a range.
     pub fn boundary(&self) -> f64 {
         match self.bounds() {

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use super::files::Files;
 use crate::bounded::{ReadError, WRITTEN as LARGEST};
 use crate::diag::Diagnostic;
+use crate::escape;
 
 /// Reads a text. The diagnostic has no location yet; the caller knows where the file is named.
 pub fn read(files: &dyn Files, path: &Path) -> Result<String, Diagnostic> {
@@ -18,7 +19,7 @@ pub fn read(files: &dyn Files, path: &Path) -> Result<String, Diagnostic> {
 
 /// The diagnostic for a text that could not be read.
 pub fn refused(files: &dyn Files, path: &Path, error: &ReadError) -> Diagnostic {
-    let shown = path.display();
+    let shown = escape::file(path);
     let unreadable = |code| Diagnostic::error(code, format!("cannot read `{shown}`: {error}"));
     match error {
         ReadError::Folder => unreadable("E0006").help("name a .toml file in it"),
@@ -33,7 +34,8 @@ pub fn refused(files: &dyn Files, path: &Path, error: &ReadError) -> Diagnostic 
                 Some(name) if path.file_name().is_some_and(|own| *own == *name) => {
                     diagnostic.help("it is a link, and the file that it names is missing")
                 }
-                Some(name) => diagnostic.help(format!("there is a file `{name}` in that folder")),
+                Some(name) => diagnostic
+                    .help(format!("there is a file `{}` in that folder", escape::file(Path::new(&name)))),
                 None => diagnostic.help(elsewhere(files, path).unwrap_or_else(|| {
                     "a path in a spec begins at the folder of that spec, one in a terminal at the current \
                      folder"
@@ -75,7 +77,7 @@ pub fn elsewhere(files: &dyn Files, path: &Path) -> Option<String> {
         }
     }
     found.sort();
-    let shown = |place: &PathBuf| format!("`{}`", place.strip_prefix(&here).unwrap_or(place).display());
+    let shown = |place: &PathBuf| format!("`{}`", escape::file(place.strip_prefix(&here).unwrap_or(place)));
     let shown: Vec<String> = found.iter().take(TOLD).map(shown).collect();
     (!shown.is_empty()).then(|| format!("there is a file of that name: {}", shown.join(", ")))
 }
@@ -83,9 +85,23 @@ pub fn elsewhere(files: &dyn Files, path: &Path) -> Option<String> {
 /// A file with a similar name in the folder of a missing one.
 fn neighbour(files: &dyn Files, path: &Path) -> Option<String> {
     let name = path.file_name()?.to_str()?;
-    let distance = |other: &String| strsim::damerau_levenshtein(name, other);
-    let near = |other: &String| name.len().abs_diff(other.len()) <= 12 && distance(other) <= 3;
-    files.names(path.parent()?).into_iter().filter(near).min_by_key(distance)
+    let near = |other: String| slips(name, &other).map(|slips| (slips, other));
+    files.names(path.parent()?).into_iter().filter_map(near).min().map(|(_, other)| other)
+}
+
+/// How many slips of the keyboard make one file's name of another; `None` where they are no more alike than names of
+/// other things are. An ending that both have says nothing.
+fn slips(name: &str, other: &str) -> Option<usize> {
+    let ending = |name: &str| Path::new(name).extension().map(|ending| ending.len() + 1).unwrap_or(0);
+    let is_shared = ending(name) > 0 && Path::new(name).extension() == Path::new(other).extension();
+    let cut = if is_shared { ending(name) } else { 0 };
+    let [name, other] = [name, other].map(|name| &name[..name.len() - cut]);
+    let length = name.chars().count();
+    let most = if name.eq_ignore_ascii_case(other) { length } else { (length / 3).min(3) };
+    // The distance is at least the difference of the lengths, which costs nothing to compare.
+    let is_long = length > 100 || other.chars().count().abs_diff(length) > most;
+    let slips = (!is_long).then(|| strsim::damerau_levenshtein(name, other))?;
+    (slips <= most).then_some(slips)
 }
 
 #[cfg(test)]
@@ -114,6 +130,23 @@ mod tests {
         let run = format!("there is a file of that name: `{}`", path("specs/run.toml").display());
         assert_eq!(help("specs/paper/run.toml"), run);
         assert!(help("specs/suites/stand.toml").starts_with("a path in a spec begins at"));
+    }
+
+    #[test]
+    fn only_a_name_that_is_nearly_the_same_is_suggested_for_a_missing_file() {
+        for (missing, other, slips) in [
+            ("wlak.toml", "walk.toml", Some(1)),
+            ("walk.tml", "walk.toml", Some(1)),
+            ("tocabi_walk_torqe.toml", "tocabi_walk_torque.toml", Some(1)),
+            ("Walk.toml", "walk.toml", Some(1)),
+            ("sf7.toml", "r17.toml", None),
+            ("a.toml", "b.toml", None),
+            ("run.toml", "walk.toml", None),
+            ("stand.toml", "squat.toml", None),
+            ("run.urdf", "run.toml", None),
+        ] {
+            assert_eq!(super::slips(missing, other), slips, "{missing} and {other}");
+        }
     }
 
     #[test]

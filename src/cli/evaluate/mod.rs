@@ -130,7 +130,7 @@ fn of_robot(policy: &Policy) -> Findings {
 
 /// Refuses what is no file or too large to be a policy.
 fn readable(path: &Path) -> Result<(), Box<Diagnostic>> {
-    let shown = path.display();
+    let shown = crate::escape::file(path);
     let unreadable = |why: &str| Diagnostic::error("E0006", format!("cannot read `{shown}`: {why}"));
     let found = match bounded::bytes(path, LARGEST) {
         Ok(_) => return Ok(()),

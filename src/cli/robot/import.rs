@@ -8,8 +8,8 @@ use regex::Regex;
 use crate::cli::specs::{self, Findings};
 use crate::cli::{Exit, Format, Global, output};
 use crate::diag::{Diagnostic, Severity, Sink, Sources};
-use crate::escape::shell;
 use crate::escape::terminal::one_line;
+use crate::escape::{self, shell};
 use crate::format::{self, Order, Sort};
 use crate::kinds::vocabulary::vocabulary;
 use crate::quantity::parse::{quantity, quantity_of};
@@ -108,7 +108,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         import::text(&welded, &Origin { name: &name, source: &source, format, fills: &options.fill });
     let text = format::format(&written.text, Sort::Robot, &Order::of_this_edition());
     if let Err(error) = write_new(&path, &text) {
-        let shown = path.display();
+        let shown = escape::file(&path);
         let message = match error.kind() {
             ErrorKind::AlreadyExists => format!("`{shown}` is already there"),
             _ => format!("{shown}: {error}"),
@@ -227,7 +227,7 @@ fn misses(fills: &[Fill], welded: &Welded) -> Option<String> {
 }
 
 fn summary(path: &Path, welded: &Welded, written: &Written) -> String {
-    let shown = path.display();
+    let shown = escape::file(path);
     let mut text =
         one_line(&format!("wrote {shown}: {} joints, {} welded", welded.links.len(), welded.fixed.len()));
     for joint in &welded.links {

@@ -6,6 +6,7 @@
 //! same bits.
 
 mod curve;
+mod read;
 mod restore;
 mod save;
 
@@ -18,11 +19,14 @@ use super::fault::StoreError;
 use crate::plan::fingerprint::canonical_json;
 use curve::Curve;
 
-pub use restore::{Restored, restore};
+pub use restore::{Restored, restore, verify};
 pub use save::{Saved, save};
 
 /// Raised when the same keys mean something else.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
+
+/// The format of before records had a digest of themselves.
+const UNSEALED: u32 = 2;
 
 /// A finished run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,6 +38,9 @@ pub struct RunRecord {
     pub run: String,
     /// The trainings and evaluations in the order of the pipeline.
     pub stages: Vec<StageRecord>,
+    /// BLAKE3 of the canonical JSON of all of the record but this; empty in the records of earlier versions.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub seal: String,
 }
 
 /// A stage of a finished run.

@@ -4,13 +4,15 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::{FORMAT, RecordError, RunRecord, StageRecord};
+use super::read::read;
+use super::{RecordError, StageRecord};
 use crate::exec::fault::StoreError;
 use crate::exec::lock::{self, Wait};
 use crate::exec::manifest::{Depth, FileRecord, Manifest, Provenance};
 use crate::exec::store::Store;
 use crate::learn::beside::METRICS;
 use crate::plan::{Cached, Stage};
+use crate::seal::unsealed::Unsealed;
 use crate::{bounded, safe_fs};
 
 /// What was restored.
@@ -28,16 +30,10 @@ pub struct Restored {
 /// makes or restores is awaited.
 pub fn restore(store: &Store, folder: &Path, wait: &Wait) -> Result<Restored, RecordError> {
     let paths = records_in(folder)?;
-    store.prepare_alone()?;
+    store.prepare()?;
     let mut restored = Restored::default();
     for path in paths {
-        let text = bounded::text(&path, bounded::RECORD).map_err(|error| RecordError::at(&path, error))?;
-        let record: RunRecord = serde_json::from_str(&text)
-            .map_err(|error| RecordError::at(&path, format!("it is not the record of a run: {error}")))?;
-        if record.format != FORMAT {
-            let reason = format!("its format is {}, this version reads {FORMAT}", record.format);
-            return Err(RecordError::at(&path, reason));
-        }
+        let record = read(&path, Unsealed::known()).map_err(|reason| RecordError::at(&path, reason))?;
         // All of a record is checked before any of it is restored.
         let stages = record.stages.iter().map(|stage| whole(stage, folder)).collect::<Result<Vec<_>, _>>();
         restored.records += 1;
@@ -100,6 +96,19 @@ fn whole(record: &StageRecord, folder: &Path) -> Result<WholeStage, String> {
         Some(name) => Err(wrong(format!("`{name}` is no file of the stage"))),
         None => Ok(WholeStage { stage, provenance, originals, files }),
     }
+}
+
+/// Whether a file is the record of a run as it was written, with the weights beside it; otherwise why not. `None` for a
+/// file that is no record of a run.
+pub fn verify(path: &Path, unsealed: &Unsealed) -> Option<Result<(), String>> {
+    let text = bounded::text(path, bounded::RECORD).ok()?;
+    let json: serde_json::Value = serde_json::from_str(&text).ok()?;
+    json.get("stages").filter(|_| json.get("format").is_some() || json.get("run").is_some())?;
+    let folder = safe_fs::folder_of(path);
+    Some(
+        read(path, unsealed)
+            .and_then(|record| record.stages.iter().try_for_each(|stage| whole(stage, folder).map(drop))),
+    )
 }
 
 /// The records in a folder, sorted by name.

@@ -11,6 +11,8 @@ use crate::exec::manifest::{self, Depth, Manifest};
 use crate::exec::store::Store;
 use crate::plan::graph::ArmRecord;
 use crate::plan::{Cached, Plan, Stage, StageKind};
+use crate::seal::unsealed::Unsealed;
+use crate::seal::{self, Seal};
 use crate::{finite, safe_fs};
 
 /// The files of weights.
@@ -54,7 +56,10 @@ pub fn save(
             saved.present += 1;
         } else {
             let record = record(store, arm, &stages, weights.then_some((folder, stem.as_str())))?;
-            let text = finite::to_string(&record).map_err(|found| RecordError::at(&path, found))?;
+            let text =
+                |record: &RunRecord| finite::to_string(record).map_err(|found| RecordError::at(&path, found));
+            let record = RunRecord { seal: seal::of(&text(&record)?).unwrap_or_default(), ..record };
+            let text = text(&record)?;
             write(&path, (text + "\n").as_bytes())?;
             saved.weightless +=
                 usize::from(weights && record.stages.iter().any(|stage| !has_weights(stage, folder)));
@@ -78,6 +83,9 @@ fn recorded<'a>(plan: &'a Plan, arm: &ArmRecord) -> Vec<&'a Stage> {
 fn is_record_of(path: &Path, stages: &[&Stage], weights: bool) -> bool {
     let Ok(text) = bounded::text(path, bounded::RECORD) else { return false };
     let Ok(record) = serde_json::from_str::<RunRecord>(&text) else { return false };
+    if record.format != FORMAT || seal::state(&text, Unsealed::known()) != Seal::Whole {
+        return false;
+    }
     let found: Option<Vec<&str>> =
         record.stages.iter().map(|stage| stage.manifest.pointer("/stage/fingerprint")?.as_str()).collect();
     let is_whole = |stage: &StageRecord| {
@@ -108,7 +116,7 @@ fn record(
     weights: Option<(&Path, &str)>,
 ) -> Result<RunRecord, RecordError> {
     let stages = stages.iter().map(|stage| stage_record(store, stage, weights)).collect::<Result<_, _>>()?;
-    Ok(RunRecord { format: FORMAT, run: arm.name.clone(), stages })
+    Ok(RunRecord { format: FORMAT, run: arm.name.clone(), stages, seal: String::new() })
 }
 
 fn stage_record(

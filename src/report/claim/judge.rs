@@ -10,11 +10,17 @@ use crate::spec::claim::{Claim, Over, Points, cases};
 use crate::statistics::Interval;
 use crate::statistics::multiplicity::holm;
 use crate::statistics::region::Region;
-use crate::statistics::test::Test;
+use crate::statistics::test::{Measured, Sample, Test};
 
 /// Judges the claims of a suite.
 pub fn judge(claims: &[Claim], arms: &[Observed]) -> Vec<Judged> {
     let mut judged: Vec<Judged> = claims.iter().filter_map(|claim| draft(claim, arms)).collect();
+    correct(&mut judged);
+    judged
+}
+
+/// Corrects the claims of a page for their number by Holm's method.
+pub(super) fn correct(judged: &mut [Judged]) {
     // A claim that could not be tested is one of the claims all the same.
     let adjusted = holm(&judged.iter().map(|claim| claim.p.unwrap_or(1.0)).collect::<Vec<_>>());
     for (claim, p) in judged.iter_mut().zip(adjusted) {
@@ -25,7 +31,77 @@ pub fn judge(claims: &[Claim], arms: &[Observed]) -> Vec<Judged> {
     }
     let count = judged.len();
     judged.iter_mut().for_each(|claim| claim.settled_by = power::settled_by(claim, count));
-    judged
+}
+
+/// Verdict and p value of a claim before the others are looked at.
+pub(super) fn together(
+    quantifier: &Quantifier,
+    cases: &[Weighed],
+    failing: &[String],
+    missing: &[String],
+) -> (Ruling, Option<f64>) {
+    let verdict = match quantifier.ruling(cases) {
+        _ if !failing.is_empty() => Ruling::NotMeaningful,
+        _ if !missing.is_empty() => Ruling::NotEstablished,
+        ruling => ruling,
+    };
+    (verdict, quantifier.p(cases).filter(|_| failing.is_empty()))
+}
+
+/// What a comparison is judged by.
+pub(super) struct Terms<'a> {
+    /// Where the estimate is expected.
+    pub region: Region,
+    /// Two-sided level of the claim.
+    pub alpha: f64,
+    /// The test.
+    pub test: Test<'a>,
+}
+
+/// What became of a comparison.
+pub(super) struct Ruled {
+    /// The estimate.
+    pub measured: Measured,
+    /// Its interval.
+    pub interval: Option<Interval>,
+    /// The p value for what is expected.
+    pub p_for: Option<f64>,
+    /// That for the opposite.
+    pub p_against: Option<f64>,
+    /// PASS, FAIL or NOT ESTABLISHED.
+    pub verdict: Ruling,
+}
+
+impl Terms<'_> {
+    /// Judges a sample at the levels at which it must hold and be opposed.
+    pub fn rule(&self, sample: &Sample, levels: [f64; 2]) -> Ruled {
+        let Self { region, alpha, test } = self;
+        let measured = test.measure(sample);
+        let interval = test.interval(sample, 1.0 - alpha);
+        let at = |level: f64| if level < *alpha { test.interval(sample, 1.0 - level) } else { interval };
+        let p = |boundary: f64| test.p(sample, boundary);
+        let p_for = measured.value.and_then(|value| region.p_for(value, p));
+        let p_against = measured.value.and_then(|value| region.p_against(value, p));
+        // Of a test with an exact p value and an interval of another kind both must agree.
+        let decides = |p: Option<f64>, level: f64, agrees: &dyn Fn(Interval) -> bool| {
+            p.is_some_and(|p| p <= level) && at(level).is_none_or(agrees)
+        };
+        let verdict = if decides(p_for, levels[0], &|interval| region.holds(interval)) {
+            Ruling::Pass
+        } else if decides(p_against, levels[1], &|interval| region.opposes(interval)) {
+            Ruling::Fail
+        } else {
+            Ruling::NotEstablished
+        };
+        Ruled { measured, interval, p_for, p_against, verdict }
+    }
+}
+
+impl Ruled {
+    /// The smaller of the p values for and against what is expected.
+    pub fn p(&self) -> Option<f64> {
+        self.p_for.zip(self.p_against).map(|(p_for, p_against)| p_for.min(p_against))
+    }
 }
 
 /// A claim before the others are looked at; `None` for a metric or test that `check` would have refused.
@@ -41,12 +117,7 @@ fn draft(claim: &Claim, arms: &[Observed]) -> Option<Judged> {
         case(claim, (metric, statistic), sample, levels)
     });
     let cases: Vec<Weighed> = judged.collect();
-    let verdict = match quantifier.ruling(&cases) {
-        _ if !failing.is_empty() => Ruling::NotMeaningful,
-        _ if !found.missing.is_empty() => Ruling::NotEstablished,
-        ruling => ruling,
-    };
-    let p = quantifier.p(&cases).filter(|_| failing.is_empty());
+    let (verdict, p) = together(&quantifier, &cases, &failing, &found.missing);
     let alternatives = quantifier.alternatives(&cases);
     Some(Judged {
         id: claim.id.clone(),
@@ -59,6 +130,7 @@ fn draft(claim: &Claim, arms: &[Observed]) -> Option<Judged> {
         bounds: Region::of(claim, statistic).bounds().into(),
         factor: claim.expect.factor,
         over: claim.over.as_ref().map_or_else(String::new, Over::in_words),
+        summary: claim.summary,
         verdict,
         p,
         p_adjusted: None,
@@ -109,27 +181,17 @@ fn case(
     Found { label, alternative, sample, sources }: &Found,
     levels: [f64; 2],
 ) -> Weighed {
-    let region = Region::of(claim, statistic);
-    let (method, summary, factor) = (statistic.method, claim.summary, claim.expect.factor);
-    let trend = matches!(claim.over, Some(Over::Trend(_)));
-    let test = Test { method, summary, trend, factor, name: metric.kind.name };
-    let measured = test.measure(sample);
-    let interval = test.interval(sample, 1.0 - claim.alpha);
-    let at = |level: f64| if level < claim.alpha { test.interval(sample, 1.0 - level) } else { interval };
-    let p = |boundary: f64| test.p(sample, boundary);
-    let p_for = measured.value.and_then(|value| region.p_for(value, p));
-    let p_against = measured.value.and_then(|value| region.p_against(value, p));
-    // Of a test with an exact p value and an interval of another kind both must agree.
-    let decides = |p: Option<f64>, level: f64, agrees: &dyn Fn(Interval) -> bool| {
-        p.is_some_and(|p| p <= level) && at(level).is_none_or(agrees)
+    let test = Test {
+        method: statistic.method,
+        summary: claim.summary,
+        trend: matches!(claim.over, Some(Over::Trend(_))),
+        factor: claim.expect.factor,
+        name: metric.kind.name,
     };
-    let verdict = if decides(p_for, levels[0], &|interval| region.holds(interval)) {
-        Ruling::Pass
-    } else if decides(p_against, levels[1], &|interval| region.opposes(interval)) {
-        Ruling::Fail
-    } else {
-        Ruling::NotEstablished
-    };
+    let terms = Terms { region: Region::of(claim, statistic), alpha: claim.alpha, test };
+    let ruled = terms.rule(sample, levels);
+    let p = ruled.p();
+    let Ruled { measured, interval, p_for, p_against, verdict } = ruled;
     let is_relative = claim.baseline.as_ref().is_some_and(|baseline| baseline.relative);
     let unit = match statistic.method {
         Method::ProbabilityOfImprovement => ("%", 0),
@@ -152,7 +214,7 @@ fn case(
             fewest: measured.fewest,
             sides: measured.sides,
             estimate: estimate.within(interval),
-            p: p_for.zip(p_against).map(|(p_for, p_against)| p_for.min(p_against)),
+            p,
             verdict,
             remark,
             sources: sources.clone(),

@@ -4,6 +4,8 @@
 //! not established otherwise. Runs that are missing are said, and leave a claim not established. Knows no
 //! simulator and no store.
 
+mod again;
+mod agreement;
 mod evidence;
 mod judge;
 mod meaning;
@@ -18,6 +20,8 @@ mod tests;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
+pub use again::again;
+pub use agreement::disagreements;
 pub use evidence::Evidence;
 pub use judge::{expectation, judge, measured};
 pub use planned::{Planned, PlannedArm, planned};
@@ -28,7 +32,7 @@ pub use table::{correction, count, in_brief, meaningless, sentences, table};
 use super::estimate::Estimate;
 use super::model::Arm;
 use super::source::Source;
-use crate::spec::claim::{Paper, Points};
+use crate::spec::claim::{Paper, Points, Summary};
 
 /// What became of a claim.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -96,6 +100,9 @@ pub struct Judged {
     /// empty for one.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub over: String,
+    /// What the runs of an arm are summarised by.
+    #[serde(default, skip_serializing_if = "Summary::is_mean")]
+    pub summary: Summary,
     /// What became of it.
     pub verdict: Ruling,
     /// The p value of the claim by itself; absent when nothing could be tested.

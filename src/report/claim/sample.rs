@@ -1,6 +1,7 @@
 //! From runs to samples: the value of every run, or the values of every episode, and what is missing.
 
 use super::Observed;
+use crate::escape::markdown::code;
 use crate::kinds::metric::{self, Curve, Failures, MetricKind};
 use crate::kinds::statistic::Unit;
 use crate::outcome::{Episode, Evaluation};
@@ -233,8 +234,11 @@ impl Collector<'_> {
         let mut pairs = pairs.peekable();
         if pairs.peek().is_some() && pairs.all(|(own, other)| own == other) {
             let stage = &self.claim.metric.stage;
-            let sentence =
-                format!("`{}` and `{}` have the same `{stage}`", name(one.points), name(other.points));
+            let sentence = format!(
+                "{} and {} have the same `{stage}`",
+                code(&name(one.points)),
+                code(&name(other.points))
+            );
             self.found.missing.push(sentence);
         }
     }
@@ -243,7 +247,7 @@ impl Collector<'_> {
         let stage = &self.claim.metric.stage;
         self.found
             .missing
-            .push(format!("`{}` with seed {seed} has no result of `{stage}`", name(arm.points)));
+            .push(format!("{} with seed {seed} has no result of `{stage}`", code(&name(arm.points))));
     }
 }
 

@@ -1,6 +1,7 @@
 //! Claims in a report: a table, and a sentence each.
 
 use super::{Case, Evidence, Judged, Ruling};
+use crate::escape::markdown::code;
 use crate::kinds::metric;
 use crate::kinds::statistic::{self, FEW, SMALLEST_OF_FEW, Unit};
 use crate::report::table::{Cell, Table};
@@ -53,7 +54,7 @@ fn row(claim: &Judged, case: Option<&Case>) -> Vec<Cell> {
     let paper = claim.paper.as_ref().map_or_else(String::new, Paper::in_words);
     let n = case.map_or_else(String::new, |case| counted(claim, case));
     let confidence = confidence(claim, case);
-    let expect = format!("{}: `{}`", claim.metric, claim.expect);
+    let expect = format!("{}: {}", claim.metric, code(&claim.expect));
     let words = [verdict.to_owned(), expect].map(Cell::from);
     let rest = [confidence, n, claim.test.clone(), p, paper].map(Cell::from);
     words.into_iter().chain([measured]).chain(rest).collect()
@@ -191,13 +192,13 @@ fn sentence(claim: &Judged, corrected: bool) -> String {
         _ if !claim.alternatives.is_empty() => {
             let named = |verdict: Ruling| {
                 let points = claim.alternatives.iter().filter(|alternative| alternative.verdict == verdict);
-                points.map(|alternative| format!("`{}`", alternative.point)).collect::<Vec<_>>().join(", ")
+                points.map(|alternative| code(&alternative.point)).collect::<Vec<_>>().join(", ")
             };
             let serving = match named(Ruling::Pass) {
                 none if none.is_empty() => String::new(),
                 points => format!(" It holds at {points}."),
             };
-            format!("`{}`, `{}`: {}.{serving}", claim.metric, claim.expect, alternatives(claim))
+            format!("`{}`, {}: {}.{serving}", claim.metric, code(&claim.expect), alternatives(claim))
         }
         [case] => evidence(claim, case),
         cases => {
@@ -247,7 +248,7 @@ fn metric_of(claim: &Judged) -> &str {
 /// Names, the first of many.
 fn some(names: &[String]) -> String {
     const NAMED: usize = 6;
-    let shown: Vec<String> = names.iter().take(NAMED).map(|name| format!("`{name}`")).collect();
+    let shown: Vec<String> = names.iter().take(NAMED).map(|name| code(name)).collect();
     match names.len().saturating_sub(NAMED) {
         0 => shown.join(", "),
         more => format!("{} and {more} more", shown.join(", ")),
@@ -270,9 +271,9 @@ fn evidence(claim: &Judged, case: &Case) -> String {
     };
     let remark = if case.remark.is_empty() { String::new() } else { format!("; {}", case.remark) };
     format!(
-        "`{}`, `{}`: {what} (n = {}, {}{remark}).",
+        "`{}`, {}: {what} (n = {}, {}{remark}).",
         claim.metric,
-        claim.expect,
+        code(&claim.expect),
         counted(claim, case),
         claim.test
     )

@@ -1,6 +1,7 @@
 //! What the points of a sweep change: the spec values in which an arm differs from the first.
 
 use super::{Group, varying};
+use crate::escape::markdown::code;
 use crate::report::fields::differing;
 use crate::report::model::{Arm, ReportInput};
 use crate::report::table::setup::field;
@@ -23,9 +24,9 @@ pub fn table(input: &ReportInput, groups: &[Group<'_>]) -> Table {
         return table;
     }
     table.note =
-        format!("What each arm has other than `{}`, whose values stand in brackets:", groups[0].name);
+        format!("What each arm has other than {}, whose values stand in brackets:", code(groups[0].name));
     for (group, arm) in groups.iter().skip(1).zip(others) {
-        table.row("", &format!("`{}`", group.name), [Cell::Text(changes(first, arm))]);
+        table.row("", &code(group.name), [Cell::Text(changes(first, arm))]);
     }
     table
 }

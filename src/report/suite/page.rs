@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 
 use super::{Group, changes, failures, groups, interval, table, varying};
+use crate::escape::markdown::code;
 use crate::plan::Training;
 use crate::report::model::ReportInput;
 use crate::report::table::{Table, endings, health};
@@ -146,7 +147,7 @@ fn survivors(groups: &[Group<'_>], stage: &str) -> Option<String> {
     Some(match ranked.len() {
         1 => format!("{most} in `{stage}`"),
         _ if least == most => format!("{most} in every arm in `{stage}`"),
-        _ => format!("from {least} (`{worst}`) to {most} (`{best}`) in `{stage}`"),
+        _ => format!("from {least} ({}) to {most} ({}) in `{stage}`", code(worst), code(best)),
     })
 }
 

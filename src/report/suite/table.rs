@@ -1,6 +1,7 @@
 //! The tables of a suite: a row per arm, each number over the arm's seeds.
 
 use super::{Group, tried};
+use crate::escape::markdown::code;
 use crate::kinds::task::Task;
 use crate::plan::Training;
 use crate::report::estimate::Estimate;
@@ -139,7 +140,7 @@ pub fn learning(groups: &[Group<'_>], training: Training) -> Table {
             Estimate::mean(&cpu, "s", 0, &name("cpu")).into(),
         ];
         let of_arm = sources(std::slice::from_ref(group), training.stage());
-        table.row_from((group.name, &format!("`{}`", group.name)), cells, of_arm);
+        table.row_from((group.name, &code(group.name)), cells, of_arm);
     }
     table.sources = sources(groups, training.stage());
     table
@@ -224,7 +225,7 @@ fn per_stage(
             let cells = metrics.iter().map(|metric| Cell::from(cell(group, stage, metric)));
             let cells = [Cell::Text(seeds.to_string())].into_iter().chain(cells);
             let of_arm = sources(std::slice::from_ref(group), stage);
-            table.row_from((group.name, &format!("`{}`", group.name)), cells, of_arm);
+            table.row_from((group.name, &code(group.name)), cells, of_arm);
         }
         table.sources = sources(groups, stage);
         table.note = note(groups, stage);
@@ -251,10 +252,7 @@ fn note(groups: &[Group<'_>], stage: &str) -> String {
     }
     let sentence = |(words, arms): &(String, Vec<&str>)| match told.len() {
         1 => format!("Each policy {words}."),
-        _ => format!(
-            "{} each {words}.",
-            arms.iter().map(|arm| format!("`{arm}`")).collect::<Vec<_>>().join(", ")
-        ),
+        _ => format!("{} each {words}.", arms.iter().map(|arm| code(arm)).collect::<Vec<_>>().join(", ")),
     };
     told.iter().map(sentence).collect::<Vec<_>>().join(" ")
 }

@@ -1,6 +1,7 @@
 //! What the run-time checks of the training found, since when and how long.
 
 use super::{Cell, Table};
+use crate::escape::markdown;
 use crate::learn::finding::{Finding, cure};
 use crate::report::model::{Arm, ReportInput};
 use crate::report::source::Source;
@@ -44,7 +45,7 @@ pub fn of_groups(groups: &[Group<'_>]) -> Table {
                 count(earliest),
                 cure(code).to_owned(),
             ];
-            table.row("", &format!("`{}`", group.name), cells.map(Cell::Text));
+            table.row("", &markdown::code(group.name), cells.map(Cell::Text));
         }
     }
     table.sources = sources(groups.iter().flat_map(|group| group.runs.iter().copied()));

@@ -1,6 +1,7 @@
 //! What was run: robot, task, low-level law and budget of every arm; and what differs between the arms.
 
 use super::{Cell, Table};
+use crate::escape::markdown::code;
 use crate::kinds::fine_tune;
 use crate::kinds::randomize::Rows;
 use crate::kinds::task::Task;
@@ -37,7 +38,7 @@ pub const LINES: &[Line] = &[
 pub fn setup(input: &ReportInput) -> Table {
     let mut table =
         Table::new("setup", "What was run", [String::new()].into_iter().chain(labels(&input.arms)));
-    table.row("", "spec", input.arms.iter().map(|arm| Cell::Text(format!("`{}`", arm.spec))));
+    table.row("", "spec", input.arms.iter().map(|arm| Cell::Text(code(&arm.spec))));
     for (label, of) in LINES {
         let cells: Vec<Option<String>> = input.arms.iter().map(of).collect();
         if cells.iter().any(Option::is_some) {

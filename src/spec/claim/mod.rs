@@ -256,6 +256,23 @@ impl Over {
         }
     }
 
+    /// What [`Over::in_words`] has written.
+    pub fn of_words(words: &str) -> Option<Self> {
+        let axis = |start: &str| words.strip_prefix(start).map(str::to_owned);
+        let count = |start: &str| words.strip_prefix(start)?.parse().ok();
+        Some(match words {
+            "each" => Self::Each,
+            "mean" => Self::Mean,
+            _ => {
+                return (axis("some ").map(Self::Some))
+                    .or_else(|| axis("no ").map(Self::None))
+                    .or_else(|| axis("trend of ").map(Self::Trend))
+                    .or_else(|| count("at least ").map(Self::AtLeast))
+                    .or_else(|| count("at most ").map(Self::AtMost));
+            }
+        })
+    }
+
     /// How many comparisons must hold, or may at most.
     pub fn count(&self) -> Option<usize> {
         match self {
@@ -266,13 +283,21 @@ impl Over {
 }
 
 /// What the runs of an arm are summarised by.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Summary {
     /// The mean.
     #[default]
     Mean,
     /// The interquartile mean (Agarwal et al. 2021).
     Iqm,
+}
+
+impl Summary {
+    /// Whether it is the usual one.
+    pub fn is_mean(&self) -> bool {
+        *self == Self::Mean
+    }
 }
 
 /// What the reproduced paper reports.

@@ -1,13 +1,15 @@
 //! The page of pages: every claim of every suite with the paper's number, ours, the verdict and where it
 //! stands, from the records beside the reports. Knows neither the store nor how a suite is read.
 
+pub mod mark;
+
 use std::collections::BTreeMap;
 
 use super::claim::{self, Judged, Ruling};
 use super::sidecar::Sidecar;
 use super::tasks::TaskRecord;
-use super::wording::significance;
-use crate::escape::markdown::{self, cell};
+use super::wording::{command_of, significance};
+use crate::escape::markdown::{self, cell, code};
 use crate::spec::claim::Claim;
 use crate::statistics::multiplicity::holm;
 
@@ -118,9 +120,8 @@ changed since, and the command makes them anew.
 const UNVERIFIABLE: &str = "
 ## Not verifiable
 
-The records of these pages were written by earlier versions and have no digest of themselves, so nobody can \
-say whether what they
-say was changed since. A page leaves this list when it is rendered again.
+The records of these pages were written before records had digests of themselves. They are as they were when specforge's list of
+such records was made; whether they were changed before that, nobody can say. A page leaves this list when it is rendered again.
 
 ";
 
@@ -352,7 +353,7 @@ impl Index {
         }
         let mut text = PAGES.to_owned();
         for (name, report) in &self.reports {
-            let command = format!("`{}`", markdown::verbatim(&report.command));
+            let command = code(&report.command);
             let standing = self.standings.get(name).map_or("\u{2013}".to_owned(), Standing::in_words);
             text += &row(&link_to(name), &[about(report), command, standing]);
         }
@@ -384,10 +385,9 @@ impl Index {
         for suite in absent() {
             let (name, summary) =
                 (markdown::inline(&suite.name), markdown::inline(suite.summary.trim_end_matches('.')));
-            let file = markdown::verbatim(&suite.file);
-            let profile = self.profile(suite).map(|name| format!(" --profile {}", markdown::verbatim(name)));
-            let profile = profile.unwrap_or_default();
-            text += &format!("* **{name}**: {summary}. `specforge run {file}{profile}`\n");
+            let profile = self.profile(suite);
+            let command = command_of("run", &[&suite.file], profile, &[], &[]);
+            text += &format!("* **{name}**: {summary}. {}\n", code(&command));
         }
         text
     }

@@ -1,0 +1,68 @@
+//! The last line of the index: the digests of the page itself and of the records that it was written from, by which an
+//! edited index is found, and one that is older than a record.
+
+use std::collections::BTreeMap;
+
+/// How the line begins.
+const BEGIN: &str = "<!-- Written by `specforge report --index`";
+
+/// What an index says that lost its line.
+const SENTENCES: [&str; 3] = [
+    "What was claimed and what became of it, suite by suite.",
+    "what is changed here by hand is lost when it is written again",
+    "The runs of a page are *today's* when",
+];
+
+/// The page with its line; `records` are the digests of the records' contents by the path of the page without `.md`.
+pub fn marked(page: &str, records: &BTreeMap<String, String>) -> String {
+    format!("{page}\n{}\n", line(page, records))
+}
+
+/// What is wrong with an index; `None` for one that is as it was written, and for a page of somebody else.
+pub fn flaw(text: &str, records: &BTreeMap<String, String>) -> Option<&'static str> {
+    let Some((page, _)) = text.split_once(&format!("\n{BEGIN}")) else {
+        let is_ours = SENTENCES.iter().any(|sentence| text.contains(sentence));
+        return is_ours.then_some("it is the index, and its last line with its digest is missing");
+    };
+    let last = text[page.len()..].trim_matches('\n');
+    if !last.contains(&digest(page)) || last.lines().count() != 1 {
+        return Some("it was changed after it was written: it does not have its own digest");
+    }
+    (last != line(page, records)).then_some("it was written from other records than those that are here now")
+}
+
+fn line(page: &str, records: &BTreeMap<String, String>) -> String {
+    let lines: String = records.iter().map(|(name, content)| format!("{name} {content}\n")).collect();
+    format!(
+        "{BEGIN} from records with the digest {}; digest of this page: {} -->",
+        digest(&lines),
+        digest(page)
+    )
+}
+
+fn digest(text: &str) -> String {
+    blake3::hash(text.as_bytes()).to_hex().to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_index_that_was_edited_cut_or_written_from_other_records_is_found() {
+        let records = BTreeMap::from([("paper/walk".to_owned(), "12ab".to_owned())]);
+        let page = format!("# Reports\n\n{}\n\n| walk | FAIL |\n", SENTENCES[0]);
+        let index = marked(&page, &records);
+        assert_eq!(flaw(&index, &records), None);
+        let changed = Some("it was changed after it was written: it does not have its own digest");
+        assert_eq!(flaw(&index.replace("FAIL", "PASS"), &records), changed);
+        assert_eq!(flaw(&format!("{index}\nMore.\n"), &records), changed);
+        let missing = Some("it is the index, and its last line with its digest is missing");
+        assert_eq!(flaw(&page, &records), missing);
+        assert_eq!(flaw("# My notes\n", &records), None);
+        let others = BTreeMap::from([("paper/walk".to_owned(), "34cd".to_owned())]);
+        let older = Some("it was written from other records than those that are here now");
+        assert_eq!(flaw(&index, &others), older);
+        assert_eq!(flaw(&index, &BTreeMap::new()), older);
+    }
+}

@@ -1,0 +1,23 @@
+//! The index of a folder: whether it is as it was written, and from the records that are there.
+
+use std::path::Path;
+
+use super::{Found, Place, mark};
+use crate::bounded;
+use crate::report::index::FILE;
+
+impl Place<'_> {
+    /// Compares the index of this folder with its own digest and with the records in the folder and below it.
+    pub(super) fn index(&self, found: &mut Found) {
+        let path = self.below.join(FILE);
+        let Ok(text) = bounded::text(&path, bounded::RECORD) else { return };
+        let here = self.below.strip_prefix(self.folder).unwrap_or(Path::new(""));
+        let below = found.contents.iter().filter_map(|(name, content)| {
+            let name = Path::new(name).strip_prefix(here).ok()?;
+            Some((name.display().to_string(), content.clone()))
+        });
+        let Some(reason) = mark::flaw(&text, &below.collect()) else { return };
+        let fix = "`specforge report --index` writes it again".to_owned();
+        found.unwritten.push(self.fault(&path.with_extension(""), &path, reason, fix));
+    }
+}

@@ -1,0 +1,133 @@
+//! A record against itself, its page and its figures.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use super::{Fault, Found, Place, Unverifiable, markdown, stem, without_record};
+use crate::bounded;
+use crate::report::claim::disagreements;
+use crate::report::digests::{self, Digests};
+use crate::report::earlier;
+use crate::report::paths::page_folder;
+use crate::report::sidecar::{RULES, Sidecar};
+use crate::seal::{REMOVED, Seal};
+
+impl Place<'_> {
+    /// Compares a record with its name, its place, its digest, its values, its page and its figures.
+    pub(super) fn record(
+        &self,
+        record: Sidecar,
+        seal: &Seal,
+        path: &Path,
+        found: &mut Found,
+        listed: &mut BTreeSet<PathBuf>,
+    ) {
+        let page = path.with_extension("");
+        let name = stem(path);
+        let own = |reason: String| self.fault(&page, path, reason, without_record("specforge report SPEC"));
+        if record.report != name {
+            found.faults.push(own(format!("it is the record of another page, `{}`", record.report)));
+        }
+        found.faults.extend(self.misplaced(&record, &page, path));
+        let digests = record.digests_by(seal);
+        match seal {
+            Seal::Whole => {
+                found.faults.extend(claims(&record).into_iter().map(own));
+                if !digests.contains_key(&format!("{}.md", record.report)) {
+                    found.faults.push(own("it has no digest of its page".to_owned()));
+                }
+            }
+            Seal::Broken => {
+                let reason = "it was changed after it was written: it does not have its own digest";
+                found.faults.push(own(reason.to_owned()));
+            }
+            Seal::Absent => found.faults.push(own(REMOVED.to_owned())),
+            Seal::Earlier(_) => {
+                let reason = "the record is of before records had a digest of themselves";
+                found.unverifiable.push(Unverifiable { report: self.seen(&page), reason });
+            }
+        }
+        let again = match seal {
+            Seal::Broken | Seal::Absent => "specforge report SPEC".to_owned(),
+            Seal::Whole | Seal::Earlier(_) => {
+                record.command.replacen("specforge run ", "specforge report ", 1)
+            }
+        };
+        let fix = format!("restore it from version control, or render it again: `{again}`");
+        for difference in digests::differences(self.below, &digests) {
+            let file = self.below.join(&difference.file);
+            found.faults.push(self.fault(&page, &file, difference.reason, fix.clone()));
+        }
+        found.faults.extend(self.missing(&record, &digests, &page, &fix));
+        let figures = record.items.iter().map(|item| &item.file).chain(digests.keys());
+        listed.extend(figures.filter(|file| !file.is_empty()).map(|file| self.below.join(file)));
+        self.notice(&record, &page, &fix, found);
+        found.contents.insert(self.seen(&page), content(path, &record));
+        found.records.insert(self.seen(&page), record);
+    }
+
+    /// Files that no digest speaks of must be there all the same.
+    fn missing(&self, record: &Sidecar, digests: &Digests, page: &Path, fix: &str) -> Vec<Fault> {
+        let figures = record.items.iter().map(|item| item.file.clone()).filter(|file| !file.is_empty());
+        let own = page.file_name().unwrap_or_default().to_string_lossy();
+        let files: BTreeSet<String> = figures.chain([format!("{own}.md")]).collect();
+        let without_digest = files.into_iter().filter(|file| !digests.contains_key(file));
+        let absent = without_digest.map(|file| self.below.join(file)).filter(|file| !file.is_file());
+        let reason = "it is missing, and its record is there";
+        absent.map(|file| self.fault(page, &file, reason, fix.to_owned())).collect()
+    }
+
+    /// A report whose spec lies below `specs/` lies in the folder of that name, or where `--reports` named it: directly
+    /// in the folder of the reports.
+    fn misplaced(&self, record: &Sidecar, page: &Path, path: &Path) -> Option<Fault> {
+        let home =
+            record.specs.first().map(|spec| page_folder(spec)).filter(|home| !home.as_os_str().is_empty())?;
+        let here = self.below.strip_prefix(self.folder).unwrap_or(Path::new(""));
+        (!here.as_os_str().is_empty() && here != home).then(|| {
+            let home = home.display();
+            let reason = format!("it is the record of a page in `{home}/`, where its spec has it");
+            let fix = format!(
+                "restore it from version control, or move page, record and figures to `{home}/`; `specforge report SPEC` \
+                 writes a report where it belongs"
+            );
+            self.fault(page, path, reason, fix)
+        })
+    }
+
+    /// The notice of earlier rules stands on the pages that were judged by them and on no other.
+    fn notice(&self, record: &Sidecar, page: &Path, fix: &str, found: &mut Found) {
+        let file = markdown(page);
+        let Ok(text) = bounded::text(&file, bounded::RECORD) else { return };
+        match (record.is_by_earlier_rules(), text.lines().any(|line| line == earlier::NOTICE)) {
+            (true, false) => {
+                let reason = "it does not say that it was judged by earlier rules";
+                let fix = "`specforge report --index` writes that sentence below its title".to_owned();
+                found.unwritten.push(self.fault(page, &file, reason, fix));
+            }
+            (false, true) => {
+                let reason = "it says that it was judged by earlier rules, and its record does not";
+                found.faults.push(self.fault(page, &file, reason, fix.to_owned()));
+            }
+            (true, true) | (false, false) => {}
+        }
+    }
+}
+
+/// What is wrong with the claims of a record that is as it was written.
+fn claims(record: &Sidecar) -> Vec<String> {
+    match record.rules > RULES {
+        true => {
+            let rules = record.rules;
+            vec![format!(
+                "it was judged by rules {rules}, and this version of specforge knows those up to {RULES}"
+            )]
+        }
+        false => disagreements(record),
+    }
+}
+
+/// The digest of a record's content.
+fn content(path: &Path, record: &Sidecar) -> String {
+    let text = bounded::text(path, bounded::RECORD).unwrap_or_else(|_| record.to_json());
+    crate::seal::of(&text).unwrap_or_default()
+}

@@ -1,0 +1,134 @@
+//! What no record stands for: pages and figures without one, figures that none lists, and copies of reports.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use super::{Fault, Found, Place, markdown, record_of, stem, without_record};
+use crate::bounded;
+use crate::escape::xml;
+use crate::report::index::FILE;
+use crate::report::paths::page_folder;
+use crate::report::{earlier, listing};
+
+/// A sentence that the shipped templates write at the end of a page.
+const RENDERED: &str = "Rendered by specforge ";
+
+/// What they write above the table of stages.
+const STAGES: &str = "<summary>Stages and their fingerprints</summary>";
+
+/// How the metadata of a figure begins.
+const FIGURE: &str = "<metadata>{\"report\":";
+
+/// The endings of pictures.
+const PICTURES: [&str; 7] = ["svg", "png", "jpg", "jpeg", "gif", "webp", "pdf"];
+
+impl Place<'_> {
+    /// Pages of ours without a record. Other Markdown is nobody's business.
+    pub(super) fn pages_without_record(&self, found: &mut Found) {
+        for path in listing::files(self.below, "md") {
+            let page = path.with_extension("");
+            let is_index = path.file_name().is_some_and(|name| name.eq_ignore_ascii_case(FILE));
+            if is_index || record_of(&page).symlink_metadata().is_ok() {
+                continue;
+            }
+            let text = bounded::text(&path, bounded::RECORD).unwrap_or_default();
+            let is_ours = [RENDERED, STAGES, earlier::NOTICE].iter().any(|mark| text.contains(mark));
+            if is_ours || self.figures_of(&page).next().is_some() {
+                let reason = "it is the page of a report, and its record is missing";
+                found.faults.push(self.fault(&page, &path, reason, without_record("specforge report SPEC")));
+            }
+        }
+    }
+
+    /// Figures of ours without page and record.
+    pub(super) fn figures_without_report(&self, found: &mut Found) {
+        if self.below == self.folder || self.has_report() {
+            return;
+        }
+        for file in self.figures_of(self.below) {
+            let reason = "it is the figure of a report, and page and record are missing";
+            let fix = "restore them from version control, render them again with `specforge report SPEC`, or delete it";
+            found.faults.push(self.fault(self.below, &file, reason, fix.to_owned()));
+        }
+    }
+
+    /// Whether this is the folder of a report's figures.
+    fn has_report(&self) -> bool {
+        let has = |file: PathBuf| file.symlink_metadata().is_ok();
+        has(markdown(self.below)) || has(record_of(self.below))
+    }
+
+    /// Pictures that no record lists: in the folder of a report's figures and beside pages all, elsewhere those that say
+    /// that they are figures of a report.
+    pub(super) fn unlisted_figures(&self, listed: &BTreeSet<PathBuf>, found: &mut Found) {
+        // What a record lists that is missing or cannot be read nobody knows; that is told already.
+        let is_known = self.below == self.folder || found.records.contains_key(&self.seen(self.below));
+        if self.has_report() && !is_known {
+            return;
+        }
+        let has_pages = || {
+            listing::files(self.below, "json").iter().any(|path| markdown(&path.with_extension("")).is_file())
+        };
+        let is_of_reports = self.below != self.folder && self.has_report() || has_pages();
+        let known: BTreeSet<&str> = found.faults.iter().map(|fault| fault.file.as_str()).collect();
+        let mut strays = Vec::new();
+        for file in PICTURES.into_iter().flat_map(|ending| listing::files(self.below, ending)) {
+            let says_so = || bounded::text(&file, bounded::RECORD).is_ok_and(|text| text.contains(FIGURE));
+            if listed.contains(&file)
+                || known.contains(self.seen(&file).as_str())
+                || !(is_of_reports || says_so())
+            {
+                continue;
+            }
+            let reason = "it is not a figure of any report here: no record lists it";
+            let fix = "delete it, or restore the record that lists it from version control; `specforge report SPEC` \
+                       renders the figures of a report"
+                .to_owned();
+            let page = if self.has_report() { self.below.to_owned() } else { file.with_extension("") };
+            strays.push(self.fault(&page, &file, reason, fix));
+        }
+        found.faults.extend(strays);
+    }
+
+    /// The figures in a page's folder that say that they are its own.
+    fn figures_of<'p>(&self, page: &'p Path) -> impl Iterator<Item = PathBuf> + use<'p> {
+        let name = serde_json::Value::from(stem(&markdown(page))).to_string();
+        let mark = format!("{FIGURE}{}", xml::text(&name));
+        let is_own =
+            move |path: &PathBuf| bounded::text(path, bounded::RECORD).is_ok_and(|text| text.contains(&mark));
+        listing::files(page, "svg").into_iter().filter(is_own)
+    }
+}
+
+/// Reports that lie there twice. The one in the folder of its spec is the report, all others are copies.
+pub(super) fn copies(found: &mut Found) {
+    let mut places: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for (name, content) in &found.contents {
+        places.entry(content).or_default().push(name);
+    }
+    let mut copies = Vec::new();
+    for names in places.into_values().filter(|names| names.len() > 1) {
+        let folder = |name: &str| Path::new(name).parent().unwrap_or(Path::new("")).to_owned();
+        let is_home = |name: &&&str| {
+            let spec = found.records.get(**name).and_then(|record| record.specs.first());
+            spec.is_some_and(|spec| page_folder(spec) == folder(name))
+        };
+        let own = names.iter().find(is_home).copied();
+        for name in names.iter().filter(|name| Some(**name) != own) {
+            let other =
+                own.or_else(|| names.iter().find(|other| *other != name).copied()).unwrap_or_default();
+            copies.push(Fault {
+                report: (*name).to_owned(),
+                file: format!("{name}.json"),
+                reason: format!("it is the same record as that of `{other}`: one of the reports is a copy"),
+                fix: "delete page, record and figures of the copy, or restore both from version control; \
+                      `specforge report SPEC` writes a report where it belongs"
+                    .to_owned(),
+            });
+        }
+    }
+    found.faults.retain(|fault| {
+        !copies.iter().any(|copy| copy.file == fault.file && fault.reason.contains("a page in"))
+    });
+    found.faults.extend(copies);
+}

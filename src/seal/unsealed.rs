@@ -1,0 +1,53 @@
+//! The records of before records had digests of themselves: the only ones that may lack one. Each is known by the
+//! digest of its content, so a record whose digest was removed is none of them.
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+/// The records of this project's own reports. A page leaves the list when it is rendered again, and none is added.
+const LIST: &str = include_str!("unsealed.txt");
+
+static KNOWN: LazyLock<Unsealed> = LazyLock::new(|| Unsealed::parse(LIST));
+
+/// A record of before there were digests.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Earlier {
+    /// Its path in the folder of the reports.
+    pub path: String,
+    /// The digests of its page and figures, by their paths from the record's own folder.
+    pub files: BTreeMap<String, String>,
+}
+
+/// Such records by the digest of their content.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Unsealed {
+    records: BTreeMap<String, Earlier>,
+}
+
+impl Unsealed {
+    /// Those that this version knows.
+    pub fn known() -> &'static Self {
+        &KNOWN
+    }
+
+    /// Reads a list: lines of a record's digest and path, each followed by indented ones of its files.
+    pub fn parse(text: &str) -> Self {
+        let (mut records, mut last) = (BTreeMap::new(), String::new());
+        for line in text.lines().filter(|line| !line.starts_with('#')) {
+            let Some((digest, path)) = line.trim_start().split_once(' ') else { continue };
+            let (digest, path) = (digest.to_owned(), path.to_owned());
+            if !line.starts_with(' ') {
+                records.insert(digest.clone(), Earlier { path, files: BTreeMap::new() });
+                last = digest;
+            } else if let Some(record) = records.get_mut(&last) {
+                record.files.insert(path, digest);
+            }
+        }
+        Self { records }
+    }
+
+    /// The record whose content has this digest.
+    pub fn find(&self, digest: &str) -> Option<Earlier> {
+        self.records.get(digest).cloned()
+    }
+}
