@@ -127,7 +127,7 @@ fn a_folder_without_specs_and_wrong_arguments_end_with_2() {
 
 #[test]
 fn codes_kinds_and_units_are_explained() {
-    assert!(stdout(&specforge(&["explain", "e0203"])).starts_with("# E0203: unit mismatch"));
+    assert!(stdout(&specforge(&["explain", "e0203"])).starts_with("# E0203: wrong dimension"));
     let torque = stdout(&specforge(&["explain", "torque"]));
     assert!(torque.contains("# action.torque") && torque.contains("# reward.torque"), "one word, two kinds");
     assert!(stdout(&specforge(&["explain", "ms"])).contains("1 ms is 0.001 s."));

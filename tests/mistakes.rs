@@ -125,3 +125,82 @@ fn without_a_mistake_there_is_no_error() {
     let text = format!("{HEAD}extends = \"whole.toml\"\n");
     assert!(check(&[("spec.toml", &text)], &LoadOptions::default()).sink.diagnostics.is_empty());
 }
+
+/// Mistakes in the sections, the sweep and the claims of a suite; `# CODE` ends each line that has one.
+const SUITE: &str = r#"spec = 1
+suite = "ten / mistakes" # E0107
+extends = "whole.toml"
+
+[action]
+std = "10 Hz" # E0203
+delai = "4 ms" # E0102
+
+[randomize.link_mass]
+range = [0.5, 1.25] # E0102
+scale = { uniform = [1.4, 0.6] } # E0210
+
+[learn]
+environments = 60 # E0507
+
+[report]
+compare = ["x.toml"] # E0102
+
+[sweep]
+seeds = [1, 2, 2] # E0705
+
+[sweep.terrain]
+flat = {}
+slope = { terrain = { kind = "slope", friction = 1.0, angel = "5 deg", angle = "5 deg" } } # E0604
+
+[sweep.exploration]
+path = "action.delay"
+values = ["2 ms", "4 ms"]
+
+[[sweep.exclude]]
+terrain = "slop" # E0702
+
+[[claim]]
+id = "first"
+text = "Survival"
+metric = "evaluate.nominal.survivl" # E0804
+compare = { a = "terrain=flt", b = "terrain=slope" } # E0803
+expect = "a > b"
+test = "welsh" # E0301
+
+[[claim]]
+id = "first" # E0104
+text = "Return"
+metric = "learn.final_return"
+arm = "terrain=flat"
+expect = "a > 3"
+
+[[claim]]
+id = "third"
+text = "Return"
+metric = "learn.final_return"
+arm = "terrain=flat"
+expect = "a > 3"
+ovr = "each" # E0102
+"#;
+
+#[test]
+fn all_mistakes_of_a_suite_are_found_at_once() {
+    let mut overlay = Overlay::new(Nowhere);
+    overlay.hold(Path::new("whole.toml"), whole());
+    overlay.hold(Path::new("suite.toml"), SUITE);
+    let checked = specforge::check::suite_in(&overlay, Path::new("suite.toml"), &LoadOptions::default());
+    let line = |start: usize| SUITE[..start].matches('\n').count() + 1;
+    let mut found: Vec<(usize, &str)> = checked
+        .sink
+        .diagnostics
+        .iter()
+        .filter(|found| found.severity == Severity::Error)
+        .map(|found| (found.labels.first().map_or(0, |label| line(label.span.start)), found.code))
+        .collect();
+    found.sort_unstable();
+    let marked = SUITE.lines().enumerate().filter_map(|(at, text)| Some((at + 1, text.split_once(" # ")?.1)));
+    let expected: Vec<(usize, &str)> = marked.collect();
+    let printed = human(&checked.sources, &checked.sink.diagnostics, Look::default());
+    assert_eq!(found, expected, "{printed}");
+    assert!(checked.sound().is_none());
+}

@@ -1,7 +1,7 @@
 //! The findings of a suite's arms as one list: what several arms share is told once, and what only some have
 //! says which.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::CheckedArm;
 use crate::diag::{Diagnostic, Severity, Sink, Span};
@@ -37,6 +37,23 @@ pub fn gather(suite: &Suite, arms: &[CheckedArm], found: Vec<Vec<Diagnostic>>, s
         .sort_by_key(|found| found.labels.first().map(|label| (label.span.source, label.span.start)));
 }
 
+/// Where the sweep has mistakes, keeps the findings that do not depend on which combinations it selects: those
+/// of all arms, and those of all arms at one point.
+pub fn keep_certain(arms: &[CheckedArm], found: &mut [Vec<Diagnostic>]) {
+    let mut of: BTreeMap<Identity, Vec<usize>> = BTreeMap::new();
+    for (arm, diagnostics) in found.iter().enumerate() {
+        diagnostics.iter().for_each(|diagnostic| of.entry(identity(diagnostic)).or_default().push(arm));
+    }
+    let at = |point: &(String, String)| -> Vec<usize> {
+        (0..arms.len()).filter(|arm| arms[*arm].arm.points.contains(point)).collect()
+    };
+    let points: BTreeSet<&(String, String)> = arms.iter().flat_map(|arm| &arm.arm.points).collect();
+    let mut whole: BTreeSet<Vec<usize>> = points.into_iter().map(at).collect();
+    whole.insert((0..arms.len()).collect());
+    of.values_mut().for_each(Vec::dedup);
+    found.iter_mut().for_each(|found| found.retain(|diagnostic| whole.contains(&of[&identity(diagnostic)])));
+}
+
 fn identity(diagnostic: &Diagnostic) -> Identity {
     let places = diagnostic.labels.iter().map(|label| (label.span, label.text.clone())).collect();
     (diagnostic.code, diagnostic.severity, diagnostic.message.clone(), places)
@@ -57,10 +74,8 @@ fn note(suite: &Suite, arms: &[CheckedArm], diagnostic: Diagnostic, of: &[usize]
     let Some(span) = common.last().and_then(|point| place(point)).filter(|_| exact) else {
         let (count, example) = (of.len(), &arms[of[0]].arm.name);
         return match count {
-            1 => diagnostic.help(format!("this is so in the arm `{example}`")),
-            _ => {
-                diagnostic.help(format!("this is so in {count} of {} arms, such as `{example}`", arms.len()))
-            }
+            1 => diagnostic.help(format!("occurs in the arm `{example}`")),
+            _ => diagnostic.help(format!("occurs in {count} of {} arms, such as `{example}`", arms.len())),
         };
     };
     let own = diagnostic.labels.first().is_some_and(|label| label.span.source == suite.source);

@@ -84,7 +84,7 @@ impl Checker {
             let missing = Diagnostic::error("E0004", format!("file not found: `{shown}`"));
             let advice = syntax::file::elsewhere(naming.files, path);
             return Err(
-                missing.help(advice.unwrap_or("name a spec, relative to the file that names it".into()))
+                missing.help(advice.unwrap_or("name a spec by its path relative to this file".into()))
             );
         }
         if is_suite(&syntax::file::read(naming.files, path)?) {
@@ -100,22 +100,20 @@ impl Checker {
             let advice = "remove `baseline` from one of these specs, or name another spec";
             return match circle.as_slice() {
                 [own, _] => wrong(format!("`{}` is its own baseline", file_name(own)), advice),
-                _ => wrong(format!("the baselines go in a circle: {}", names.join(", ")), advice),
+                _ => wrong(format!("cycle of baselines: {}", names.join(", ")), advice),
             };
         }
         let mut errors = loaded.sink.diagnostics.iter().filter(|found| found.severity == Severity::Error);
         match (errors.next(), &loaded.experiment) {
             (None, Some(experiment)) if experiment.is_abstract => {
-                let advice = "name a spec that extends it: a baseline has a value for every key";
+                let advice = "name a spec that extends it: a baseline needs all keys";
                 wrong(format!("the baseline `{shown}` is abstract"), advice)
             }
             (None, Some(experiment)) => Ok(experiment.clone()),
             (first, _) => {
                 let first = first.map_or(String::new(), |first| format!(": {}", first.message));
-                let advice = format!(
-                    "correct it: `specforge check {}` shows its errors",
-                    escape::shell::argument(path)
-                );
+                let advice =
+                    format!("run `specforge check {}` and fix its errors", escape::shell::argument(path));
                 wrong(format!("the baseline `{shown}` has errors{first}"), &advice)
             }
         }
@@ -177,22 +175,22 @@ fn twice(first: &NamedSpec, second: &NamedSpec, experiment: &Experiment) -> Diag
     let [task, action] = of(experiment).map(Option::unwrap_or_default);
     let [one, other] = [first, second].map(|named| escape::file(&named.path));
     let message =
-        format!("two baselines of the task `{task}` and the action `{action}`: `{one}` and `{other}`");
+        format!("two baselines for the task `{task}` and the action `{action}`: `{one}` and `{other}`");
     let error = at(Diagnostic::error("E0608", message), second);
     let error = match first.place {
-        Some(place) => error.note(place, "the first, which every arm would have"),
+        Some(place) => error.note(place, "only this one would be used"),
         None => error,
     };
-    error.help("remove one of them: a list has one baseline for each task and kind of action")
+    error.help("remove one of them: a list can have one baseline per task and kind of action")
 }
 
 fn of_another_task(task: &str, there: &BTreeSet<String>) -> Diagnostic {
     let names: Vec<String> = there.iter().map(|name| format!("`{name}`")).collect();
     let message = match names.as_slice() {
-        [one] => format!("the task is `{task}`, and the baseline's is {one}"),
-        several => format!("the task is `{task}`, and the baselines' are {}", several.join(", ")),
+        [one] => format!("the arm has the task `{task}`, but its baseline has {one}"),
+        several => format!("the arm has the task `{task}`, but its baselines have {}", several.join(", ")),
     };
-    let advice = format!("name a spec of the task `{task}`; a list of baselines has one for each task");
+    let advice = format!("add a baseline with the task `{task}`: a list can have one per task");
     Diagnostic::error("E0608", message).help(advice)
 }
 

@@ -9,7 +9,7 @@ use crate::syntax::Layer;
 /// `learn.environments` divides `learn.rollout`, and a minibatch is not larger than a rollout.
 pub fn batches_divide_the_rollout(subject: &Subject, sink: &mut Sink) {
     let Some(rollout) = subject.at(Ppo::rollout) else { return };
-    let mut report = |path: &str, message: String, advice: String| {
+    let mut report = |path: &str, message: String, advice: String, most: u64| {
         let mut diagnostic = Diagnostic::error("E0507", message);
         if let Some(place) = subject.place(path) {
             diagnostic = diagnostic.at(place, "");
@@ -17,9 +17,9 @@ pub fn batches_divide_the_rollout(subject: &Subject, sink: &mut Sink) {
         if let Some(mark) =
             subject.marks.get(&Ppo::rollout.path()).filter(|mark| mark.layer != Layer::Default)
         {
-            diagnostic = diagnostic.note(mark.value, "the samples of an update");
+            diagnostic = diagnostic.note(mark.value, "samples per update");
         }
-        sink.emit(diagnostic.help(advice));
+        sink.emit(subject.edited(path, most.to_string(), diagnostic.help(advice)));
     };
     if let Some(environments) = subject.at(Ppo::environments)
         && (environments == 0 || rollout % environments != 0)
@@ -30,14 +30,17 @@ pub fn batches_divide_the_rollout(subject: &Subject, sink: &mut Sink) {
         report(
             &Ppo::environments.path(),
             message,
-            format!("the next lower number that divides it is {nearest}"),
+            format!("write `learn.environments = {nearest}`, the next lower divisor"),
+            nearest as u64,
         );
     }
     if let Some(minibatch) = subject.at(Ppo::minibatch)
         && minibatch > rollout
     {
         let message = format!("`learn.minibatch` ({minibatch}) is larger than `learn.rollout` ({rollout})");
-        report(&Ppo::minibatch.path(), message, "a minibatch is drawn from one rollout".to_owned());
+        let advice =
+            format!("write `learn.minibatch = {rollout}` or less: a minibatch is part of one rollout");
+        report(&Ppo::minibatch.path(), message, advice, rollout as u64);
     }
 }
 
@@ -56,11 +59,10 @@ pub fn the_actor_has_its_turn(subject: &Subject, sink: &mut Sink) {
         return;
     }
     let message = match updates {
-        0 => "the actor never learns: the training stops before its first sample".to_owned(),
+        0 => "the actor is never updated: the training stops before its first sample".to_owned(),
         _ => format!(
-            "the actor never learns: {samples} samples are {updates} updates of {rollout}, and in the first \
-             {warm_up} \
-             only the critic does"
+            "the actor is never updated: {samples} samples are {updates} updates of {rollout}, and the \
+             critic's warm-up takes {warm_up}"
         ),
     };
     let mut diagnostic = Diagnostic::warning("W0508", message);
@@ -70,17 +72,13 @@ pub fn the_actor_has_its_turn(subject: &Subject, sink: &mut Sink) {
         diagnostic = diagnostic.at(place, "");
     }
     if let Some(mark) = subject.marks.get(&Ppo::warm_up.path()).filter(|_| warm_up > 0) {
-        diagnostic = diagnostic.note(mark.value, "the updates of the critic alone");
+        diagnostic = diagnostic.note(mark.value, "warm-up of the critic");
     }
     let (fewer, more) = (updates / 5, (warm_up + 1).saturating_mul(rollout));
     sink.emit(match (stop, updates) {
-        (Some(_), 0) => diagnostic.help(format!("stop after {more} samples or more, or leave `stop_at` out")),
-        (Some(_), _) => {
-            diagnostic.help(format!("write `learn.warm_up = {fewer}`, or stop after {more} samples or more"))
-        }
-        (None, _) => {
-            diagnostic.help(format!("write `learn.warm_up = {fewer}`, or learn from {more} samples or more"))
-        }
+        (Some(_), 0) => diagnostic.help(format!("set `learn.stop_at = {more}`, or remove it")),
+        (Some(_), _) => diagnostic.help(format!("set `learn.warm_up = {fewer}` or `learn.stop_at = {more}`")),
+        (None, _) => diagnostic.help(format!("set `learn.warm_up = {fewer}` or `learn.samples = {more}`")),
     });
 }
 
@@ -100,9 +98,10 @@ pub fn the_stop_comes_after_an_update(subject: &Subject, sink: &mut Sink) {
         diagnostic = diagnostic.at(place, "within the first update");
     }
     if let Some(mark) = subject.marks.get(&Ppo::rollout.path()) {
-        diagnostic = diagnostic.note(mark.value, "the samples of an update");
+        diagnostic = diagnostic.note(mark.value, "samples per update");
     }
-    sink.emit(diagnostic.help(format!("stop after whole updates: {rollout} samples or a multiple of them")));
+    let diagnostic = diagnostic.help(format!("write `learn.stop_at = {rollout}` or a multiple of it"));
+    sink.emit(subject.edited(&Ppo::stop_at.path(), rollout.to_string(), diagnostic));
 }
 
 /// An early stop comes before the end of the budget.
@@ -117,7 +116,7 @@ pub fn the_stop_comes_before_the_end(subject: &Subject, sink: &mut Sink) {
         diagnostic = diagnostic.at(place, "not before the end");
     }
     if let Some(mark) = subject.marks.get(&Ppo::samples.path()) {
-        diagnostic = diagnostic.note(mark.value, "the whole budget");
+        diagnostic = diagnostic.note(mark.value, "sample budget");
     }
     sink.emit(diagnostic.help("remove `stop_at`, or write a number below `learn.samples`"));
 }
@@ -137,7 +136,7 @@ mod tests {
         assert_eq!(diagnostics.len(), 1);
         assert_eq!(
             (diagnostics[0].code, diagnostics[0].help[0].as_str()),
-            ("E0507", "the next lower number that divides it is 32")
+            ("E0507", "write `learn.environments = 32`, the next lower divisor")
         );
     }
 
@@ -149,7 +148,7 @@ mod tests {
         let diagnostics = found(the_actor_has_its_turn, &spec(40_000), None);
         assert_eq!(diagnostics.len(), 1);
         let told = (diagnostics[0].code, diagnostics[0].help[0].as_str());
-        assert_eq!(told, ("W0508", "write `learn.warm_up = 1`, or learn from 49152 samples or more"));
+        assert_eq!(told, ("W0508", "set `learn.warm_up = 1` or `learn.samples = 49152`"));
     }
 
     #[test]
@@ -164,13 +163,13 @@ mod tests {
         assert_eq!(told(5, 40_961), []);
         let [(message, help)] = <[_; 1]>::try_from(told(5, 40_000)).expect("one");
         assert!(
-            message.starts_with("the actor never learns: 40000 samples are 5 updates of 8192"),
+            message.starts_with("the actor is never updated: 40000 samples are 5 updates of 8192"),
             "{message}"
         );
-        assert_eq!(help, "write `learn.warm_up = 1`, or stop after 49152 samples or more");
+        assert_eq!(help, "set `learn.warm_up = 1` or `learn.stop_at = 49152`");
         for warm_up in [0, 5] {
             let [(message, _)] = <[_; 1]>::try_from(told(warm_up, 0)).expect("one");
-            assert_eq!(message, "the actor never learns: the training stops before its first sample");
+            assert_eq!(message, "the actor is never updated: the training stops before its first sample");
         }
     }
 

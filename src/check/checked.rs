@@ -156,12 +156,11 @@ pub(super) fn finish(experiment: &Experiment, deny_warnings: bool, sink: &mut Si
 /// Why a spec that is in order cannot be run all the same: it is only a parent (E0606).
 pub fn unrunnable(experiment: &Experiment, sources: &Sources) -> Option<Diagnostic> {
     experiment.is_abstract.then(|| {
-        let message =
-            format!("`{}` is abstract: a parent for other specs, not an experiment", experiment.name);
+        let message = format!("`{}` is abstract and cannot be run", experiment.name);
         let start = sources.get(experiment.source).text.find("abstract").unwrap_or(0);
         let place = Span { source: experiment.source, start, end: start + "abstract".len() };
         let advice = "run a spec that extends it, or write one with `extends`";
-        Diagnostic::error("E0606", message).at(place, "never inherited").help(advice)
+        Diagnostic::error("E0606", message).at(place, "not inherited by children").help(advice)
     })
 }
 

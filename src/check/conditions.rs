@@ -36,7 +36,7 @@ fn speeds(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) {
                 "add `from`, `to` and `step`, or a list `speeds = [\"0.1 m/s\", \"0.3 m/s\"]`",
             ),
             false => (
-                format!("the grid of `{path}` lacks {}", listed(missing)),
+                format!("the grid of `{path}` is incomplete: missing {}", listed(missing)),
                 "a grid has `from`, `to` and `step`, such as `from = \"0 m/s\"`, `to = \"0.5 m/s\"` and \
                  `step = \"0.1 m/s\"`",
             ),
@@ -48,8 +48,8 @@ fn speeds(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) {
     let listed = listed_speeds.map_or(0.0, |speeds| speeds.len() as f64);
     let episodes = (grid_length + listed) * table.value(Speeds::repeats).unwrap_or(1) as f64;
     if episodes > MOST {
-        let message = format!("`{path}` has {} episodes, at most {MOST} are possible", short(episodes));
-        let help = "make `step` larger or `repeats` smaller";
+        let message = format!("`{path}` has {} episodes, but the maximum is {MOST}", short(episodes));
+        let help = "raise `step` or lower `repeats`";
         sink.emit(at(subject, &Speeds::repeats.below(path), Diagnostic::error("E0204", message)).help(help));
     }
 }
@@ -58,9 +58,14 @@ fn speeds(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) {
 fn grid_of(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) -> Option<f64> {
     let (from, to, step) = (table.value(Speeds::from)?, table.value(Speeds::to)?, table.value(Speeds::step)?);
     if from > to {
-        let message = format!("the grid of `{path}` goes from {} to {} m/s", short(from), short(to));
+        let message = format!(
+            "the grid of `{path}` is empty: `from` is {} and `to` is {} \
+                               m/s",
+            short(from),
+            short(to)
+        );
         let error = at(subject, &Speeds::from.below(path), Diagnostic::error("E0210", message));
-        sink.emit(error.help("write the lowest speed as `from`"));
+        sink.emit(error.help("exchange `from` and `to`"));
         return None;
     }
     let steps = (to - from) / step;
@@ -68,7 +73,7 @@ fn grid_of(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) -
         return Some(steps + 1.0);
     }
     let message = format!(
-        "from {} to {} m/s are {} steps of {} m/s",
+        "the step does not divide the grid: from {} to {} m/s are {} steps of {} m/s",
         short(from),
         short(to),
         short(steps),
@@ -76,38 +81,47 @@ fn grid_of(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) -
     );
     let error = at(subject, &Speeds::step.below(path), Diagnostic::error("E0508", message));
     let ends = [steps.floor(), steps.ceil()].map(|steps| format!("\"{} m/s\"", short(from + steps * step)));
-    sink.emit(
-        error.help(format!(
-            "a grid ends on its end: the nearest are `to = {}` and `to = {}`",
-            ends[0], ends[1]
-        )),
-    );
+    sink.emit(error.help(format!("write `to = {}` or `to = {}`", ends[0], ends[1])));
     None
 }
 
 /// The scale is a range of positive factors, and every parameter is named once.
 fn parameter_sets(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) {
     let place = ParameterSets::scale.below(path);
+    let swapped = match table.value(ParameterSets::scale).unwrap_or_default().as_slice() {
+        [low, high] if low > high && *high > 0.0 => Some(format!("[{high}, {low}]")),
+        _ => None,
+    };
     let problem = match table.value(ParameterSets::scale).unwrap_or_default().as_slice() {
         [low, _] if *low <= 0.0 => Some(("E0211", "a factor must be greater than zero".to_owned())),
-        [low, high] if low >= high => {
-            Some(("E0210", format!("`scale` goes from {} to {}", short(*low), short(*high))))
-        }
+        [low, high] if low >= high => Some((
+            "E0210",
+            format!(
+                "the range of `scale` is empty: from {} to \
+                                    {}",
+                short(*low),
+                short(*high)
+            ),
+        )),
         _ => None,
     };
     if let Some((code, message)) = problem {
-        let help = "write the lowest and the highest factor: `scale = [0.7, 1.3]`";
-        sink.emit(at(subject, &place, Diagnostic::error(code, message)).help(help));
+        let help = "write the lower factor first, for example `scale = [0.7, 1.3]`";
+        let error = at(subject, &place, Diagnostic::error(code, message)).help(help);
+        sink.emit(match swapped {
+            Some(range) => subject.edited(&place, range, error),
+            None => error,
+        });
     }
     let parameters = table.value(ParameterSets::parameters).unwrap_or_default();
     let names: Vec<&str> = parameters.into_iter().map(Parameter::word).collect();
     if names.is_empty() {
-        let error = Diagnostic::error("E0204", format!("`{path}` scales nothing"));
-        let help = "name a parameter, or leave `parameters` out for the paper's eight";
+        let error = Diagnostic::error("E0204", format!("`{path}` has no parameters"));
+        let help = "add a parameter, or remove `parameters` to use the paper's eight";
         sink.emit(at(subject, &ParameterSets::parameters.below(path), error).help(help));
     }
     for (index, name) in names.iter().enumerate().filter(|(index, name)| names[..*index].contains(name)) {
-        let error = Diagnostic::error("E0104", format!("the parameter `{name}` stands twice"));
+        let error = Diagnostic::error("E0104", format!("duplicate parameter `{name}`"));
         sink.emit(at(subject, &format!("{path}.parameters.{index}"), error).help("remove one of the two"));
     }
 }

@@ -49,16 +49,13 @@ pub fn contacts_are_slower_than_steps(subject: &Subject, sink: &mut Sink) {
         let mut diagnostic = Diagnostic::error("E0521", message);
         let at = if own.is_some() { key } else { own_rate.clone() };
         if let Some(place) = subject.place(&at) {
-            diagnostic = diagnostic.at(place, "too few steps for a contact");
+            diagnostic = diagnostic.at(place, "physics step too long");
         }
         let key = if subject.number(&own_rate).is_some() { own_rate } else { Physics::rate.path() };
         let fitting =
-            rates::from(subject, &key, 2.0 / time).map(|rate| format!("`{key}` can be {rate} Hz, or "));
+            rates::from(subject, &key, 2.0 / time).map(|rate| format!("raise `{key}` to {rate} Hz, or "));
         let slower = duration(2.0 * step);
-        let fix = format!(
-            "{}a `contact_time` of {slower} or more is possible at this rate",
-            fitting.unwrap_or_default()
-        );
+        let fix = format!("{}use a `contact_time` of {slower} or more", fitting.unwrap_or_default());
         sink.emit(diagnostic.help(fix));
     }
 }
@@ -99,7 +96,7 @@ mod tests {
         let found = found(contacts_are_slower_than_steps, text, None);
         assert_eq!(
             found[0].help,
-            ["`physics.rate` can be 625 Hz, or a `contact_time` of 4 ms or more is possible at this rate"]
+            ["raise `physics.rate` to 625 Hz, or use a `contact_time` of 4 ms or more"]
         );
     }
 }

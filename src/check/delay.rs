@@ -20,7 +20,7 @@ pub fn delays_fit_the_history(subject: &Subject, sink: &mut Sink) {
         return;
     }
     let (most, kept) = (duration(longest), duration(HISTORY));
-    let message = format!("a delay of up to {most} is longer than the commands are kept ({kept})");
+    let message = format!("the action delay can reach {most}, but the maximum is {kept}");
     let mut diagnostic = Diagnostic::error("E0505", message);
     if let Some(place) = subject.place(&Position::delay.path()) {
         diagnostic = diagnostic.at(place, "");
@@ -28,10 +28,10 @@ pub fn delays_fit_the_history(subject: &Subject, sink: &mut Sink) {
     if let Some((path, scale)) = drawn
         && let Some(place) = subject.place(&ActionDelay::scale.below(&path))
     {
-        diagnostic = diagnostic.note(place, format!("times up to {scale}"));
+        diagnostic = diagnostic.note(place, format!("scaled by up to {scale}"));
     }
     let fitting = libm::floor(HISTORY * delay / longest * 1e4 * (1.0 + 1e-9)) * 1e-4;
-    sink.emit(diagnostic.help(format!("a delay of at most {} fits", duration(fitting))));
+    sink.emit(diagnostic.help(format!("use a delay of at most {}", duration(fitting))));
 }
 
 /// The longest delay in s that can be drawn, and the draw with its largest factor.
@@ -79,7 +79,7 @@ mod tests {
         assert_eq!(diagnostics.len(), 1);
         assert_eq!(
             (diagnostics[0].code, diagnostics[0].message.as_str()),
-            ("E0505", "a delay of up to 120 ms is longer than the commands are kept (100 ms)")
+            ("E0505", "the action delay can reach 120 ms, but the maximum is 100 ms")
         );
     }
 }

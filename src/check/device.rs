@@ -11,7 +11,7 @@ pub fn devices_suit_the_backend(subject: &Subject, sink: &mut Sink) {
     if subject.at(Ppo::device) != Some(Device::Cuda) || backend == Some(Backend::Torch) {
         return;
     }
-    let message = "`learn.device` is \"cuda\", and the native backend computes on the CPU only";
+    let message = "the native backend does not support `learn.device = \"cuda\"`";
     let mut diagnostic = Diagnostic::error("E0510", message);
     if let Some(place) = subject.place(&Ppo::device.path()) {
         diagnostic = diagnostic.at(place, "needs the backend `torch`");
@@ -19,7 +19,7 @@ pub fn devices_suit_the_backend(subject: &Subject, sink: &mut Sink) {
     if let (Some(_), Some(place)) = (backend, subject.place(&Ppo::backend.path())) {
         diagnostic = diagnostic.note(place, "the backend");
     }
-    sink.emit(diagnostic.help("write `backend = \"torch\"` in `[learn]`, or leave `device` out"));
+    sink.emit(diagnostic.help("write `backend = \"torch\"` in `[learn]`, or remove `device`"));
 }
 
 #[cfg(test)]

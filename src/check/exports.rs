@@ -18,12 +18,10 @@ pub fn transfers_have_a_policy(subject: &Subject, experiment: &Experiment, sink:
     let (Some((path, _)), false) = (transfer, deploys.iter().any(|(_, table)| table.is::<Export>())) else {
         return;
     };
-    let message = format!("`{path}` needs a stage of the kind `export`, and the spec declares none");
+    let message = format!("`{path}` needs an exported policy, but the spec has no export");
     let mut error = Diagnostic::error("E0802", message);
     if let Some(mark) = subject.marks.nearest(path) {
-        error = error.at(mark.key, "of which policy?");
+        error = error.at(mark.key, "no policy to run");
     }
-    sink.emit(
-        error.help("add the stage that exports the policy: `[deploy.policy]` with `kind = \"export\"`"),
-    );
+    sink.emit(error.help("add `[deploy.policy]` with `kind = \"export\"`"));
 }

@@ -44,7 +44,7 @@ fn mistake(wanted: &Wanted, about: &str, known: &[String]) -> Option<(Diagnostic
         format!("{}:{}", wanted.name, wanted.about.iter().map(meant).collect::<Vec<_>>().join(","))
     };
     if let Some(name) = name.filter(|name| !is_of_episodes(name)) {
-        let error = Diagnostic::error("E0804", format!("there is no metric `{name}` of episodes"));
+        let error = Diagnostic::error("E0804", format!("`{name}` is not a metric of evaluations"));
         let names = metric::KINDS.iter().map(|metric| metric.kind.name).filter(|name| is_of_episodes(name));
         return Some(match nearest(name, names) {
             Some(near) => (error, Some(instead(name, near))),
@@ -55,18 +55,18 @@ fn mistake(wanted: &Wanted, about: &str, known: &[String]) -> Option<(Diagnostic
         return None;
     }
     if stage.is_empty() {
-        let error = Diagnostic::error("E0804", format!("`{about}` does not say where it is measured"));
+        let error = Diagnostic::error("E0804", format!("missing stage of the metric `{about}`"));
         return Some((
             error.help(format!("write for example `{}:evaluate.nominal.{about}`", wanted.name)),
             None,
         ));
     }
     let what = if wanted.takes() == Some(About::Training) { "training" } else { "stage" };
-    let error = Diagnostic::error("E0804", format!("no arm has a {what} `{stage}` that is measured"));
+    let error = Diagnostic::error("E0804", format!("no arm has the {what} `{stage}`"));
     Some(match nearest(stage, known.iter().map(String::as_str)) {
         Some(near) => (error, Some(instead(stage, near))),
         None => (
-            error.help(format!("the measured {what}s are {}", listed(known.iter().map(String::as_str)))),
+            error.help(format!("the {what}s of the arms are {}", listed(known.iter().map(String::as_str)))),
             None,
         ),
     })

@@ -23,7 +23,7 @@ pub fn policies_are_trained(subject: &Subject, sink: &mut Sink) {
     let tuned = subject.spec().within::<FineTuning>().is_some();
     for (path, table) in subject.protocols() {
         if table.value(Setting::policy) == Some(Trained::FineTune) && !tuned {
-            let message = format!("`{path}` is about the fine-tuned policy, and there is no `[fine_tune]`");
+            let message = format!("`{path}` uses the fine-tuned policy, but `[fine_tune]` is missing");
             let error = at(
                 subject,
                 &Setting::policy.below(&path),
@@ -51,9 +51,14 @@ fn transfers_are_exported(subject: &Subject, sink: &mut Sink) {
         transfers.filter(|(_, table)| !exported.is_empty() && !exported.contains(&policy(table)))
     {
         let meant = policy(table).word();
-        let message = format!("`{path}` runs the policy `{meant}`, which no export writes");
-        let error =
-            at(subject, &Export::policy.below(path), Diagnostic::error("E0808", message), "not exported");
+        let message = format!("`{path}` runs the policy `{meant}`, which is not exported");
+        let error = at(
+            subject,
+            &Export::policy.below(path),
+            Diagnostic::error("E0808", message),
+            "no export of \
+                 this policy",
+        );
         let table = format!("[deploy.{meant}_policy]");
         sink.emit(error.help(format!("add `{table}` with `kind = \"export\"` and `policy = \"{meant}\"`")));
     }
@@ -66,15 +71,19 @@ pub fn fine_tuning_weighs_terms(subject: &Subject, sink: &mut Sink) {
     let Some(reward) = subject.spec().within::<Rewards>() else { return };
     let terms: Vec<&str> = reward.table().keys().map(String::as_str).collect();
     for term in weights.keys().filter(|term| !terms.contains(&term.as_str())) {
-        let message = format!("`[reward]` has no term `{term}` for the fine-tuning to weigh");
+        let message = format!("unknown reward term `{term}` in `fine_tune.weights`");
         let error = at(
             subject,
             &below(&fine_tune::Ppo::weights.path(), term),
             Diagnostic::error("E0810", message),
-            "of which term?",
+            "not in `[reward]`",
         );
-        let near = nearest(term, terms.iter().copied()).map(|near| format!("did you mean `{near}`?"));
-        sink.emit(error.help(near.unwrap_or_else(|| format!("add `[reward.{term}]`, or remove the weight"))));
+        let key = subject.marks.get(&below(&fine_tune::Ppo::weights.path(), term)).map(|mark| mark.key);
+        sink.emit(match (nearest(term, terms.iter().copied()), key) {
+            (Some(near), Some(key)) => error.help(format!("did you mean `{near}`?")).fix(key, near),
+            (Some(near), None) => error.help(format!("did you mean `{near}`?")),
+            (None, _) => error.help(format!("add `[reward.{term}]`, or remove the weight")),
+        });
     }
 }
 
@@ -97,19 +106,15 @@ pub fn fine_tuning_changes_the_world(subject: &Subject, sink: &mut Sink) {
     if is_calm || engine.is_some_and(|own| Some(own) != subject.at(Physics::engine)) {
         return;
     }
-    let message = "the ground of the fine-tuning is that of the first training";
-    let mut error = at(
-        subject,
-        &fine_tune::Ppo::terrain.path(),
-        Diagnostic::error("E0809", message),
-        "the same ground again",
-    );
+    let message = "the fine-tuning has the terrain, exploration, engine and rewards of the training";
+    let mut error =
+        at(subject, &fine_tune::Ppo::terrain.path(), Diagnostic::error("E0809", message), "same terrain");
     if let Some(place) = subject.place(Ground::SECTION) {
-        error = error.note(place, "the ground of the training");
+        error = error.note(place, "terrain of the training");
     }
     sink.emit(error.help(
-        "write another `terrain` here, an exploration (`std`), an `engine` or reward \
-        `weights` of its own, or raise `learn.samples` and remove `[fine_tune]`",
+        "change the `terrain`, `std`, `engine` or `weights`, or raise `learn.samples` and remove \
+         `[fine_tune]`",
     ));
 }
 
@@ -153,7 +158,7 @@ mod tests {
         let found = codes(policies_are_trained, &deploy(", policy = \"learner\""));
         assert_eq!(
             found,
-            [("E0808", "`deploy.mujoco` runs the policy `learner`, which no export writes".to_owned())]
+            [("E0808", "`deploy.mujoco` runs the policy `learner`, which is not exported".to_owned())]
         );
     }
 
@@ -202,7 +207,7 @@ mod tests {
         let found = codes(fine_tuning_weighs_terms, &tune("velocity_trackin"));
         assert_eq!(
             found,
-            [("E0810", "`[reward]` has no term `velocity_trackin` for the fine-tuning to weigh".to_owned())]
+            [("E0810", "unknown reward term `velocity_trackin` in `fine_tune.weights`".to_owned())]
         );
     }
 

@@ -25,20 +25,19 @@ pub fn references_stay_above(subject: &Subject, reference: &mut OnDemand, sink: 
         let near = |bound: &f64| !reference.shipped || *bound > NEAR * robot.standing_height;
         let Some(bound) = term.value(BaseHeight::below).filter(near) else { continue };
         let name = subject.motion();
-        let (lowest, who) = match (reference.make)().as_deref().map(|made| &made.motion) {
-            Some(Ok(motion)) => (lowest(motion), format!("the reference motion `{name}` comes down to")),
-            _ => (robot.standing_height, "it stands at".to_owned()),
+        let (lowest, cause) = match (reference.make)().as_deref().map(|made| &made.motion) {
+            Some(Ok(motion)) => (
+                lowest(motion),
+                format!("the reference motion `{name}` lowers the base of `{}` to", robot.name),
+            ),
+            _ => (robot.standing_height, format!("in the default pose the base of `{}` is at", robot.name)),
         };
         if bound < lowest {
             continue;
         }
         let key = BaseHeight::below.below(&path);
-        let message = format!(
-            "episodes end below {}, and on `{}` {who} {} m",
-            subject.written(&key),
-            robot.name,
-            short(lowest)
-        );
+        let message =
+            format!("episodes end below {}, but {cause} {} m", subject.written(&key), short(lowest));
         let mut diagnostic = Diagnostic::warning("W0509", message);
         if let Some(place) = subject.place(&key) {
             diagnostic = diagnostic.at(place, "");
@@ -46,10 +45,11 @@ pub fn references_stay_above(subject: &Subject, reference: &mut OnDemand, sink: 
         let sinks = (1.0 - SHARE) * hip_height(robot);
         let bound = f64::min(robot.standing_height - sinks, lowest - 0.15 * hip_height(robot));
         let robot_height = short(robot.standing_height);
-        sink.emit(diagnostic.help(format!(
-            "the base of `{}` stands {robot_height} m high: write `{key} = \"{bound:.2} m\"`",
+        let diagnostic = diagnostic.help(format!(
+            "write `{key} = \"{bound:.2} m\"`: the base of `{}` is {robot_height} m high in the default pose",
             robot.name
-        )));
+        ));
+        sink.emit(subject.edited(&key, format!("\"{bound:.2} m\""), diagnostic));
     }
 }
 

@@ -31,7 +31,7 @@ fn exploration_of(subject: &Subject, path: &str, sink: &mut Sink) {
             _ => "each joint's effort limit".to_owned(),
         };
         let written = subject.written(path);
-        let message = format!("the exploration ({written}) is wider than the actions: 100 % is {reference}");
+        let message = format!("the exploration ({written}) exceeds the action range: 100 % is {reference}");
         sink.emit(
             placed(subject, path, Diagnostic::warning("W0502", message))
                 .help("the paper explores with 5 % to 20 %"),
@@ -85,7 +85,7 @@ fn exploration_torque(subject: &Subject, exploration: Exploration, path: &str, s
         _ => format!(" (and {others} more joints)"),
     };
     let message = format!(
-        "the exploration asks {} N m of `{}`, which has {} N m{also}",
+        "the exploration demands {} N m from `{}`, which has {} N m{also}",
         short(torque(worst)),
         worst.name,
         short(worst.effort_limit)
@@ -138,7 +138,7 @@ mod tests {
         let found = position(1.0, 0.01);
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].code, "W0506");
-        assert_eq!(found[0].message, "the exploration asks 450 N m of `hip_roll`, which has 232 N m");
+        assert_eq!(found[0].message, "the exploration demands 450 N m from `hip_roll`, which has 232 N m");
         assert_eq!(found[0].help, ["with this std, a stiffness of 51.56 % stays within the limit"]);
     }
 
@@ -173,7 +173,7 @@ mod tests {
         let wide = said(3.2, 0.01);
         assert_eq!(
             wide[0].message,
-            "the exploration asks 480 N m of `hip_roll`, which has 232 N m (and one more joint)"
+            "the exploration demands 480 N m from `hip_roll`, which has 232 N m (and one more joint)"
         );
         assert!(said(3.2, 2.0)[0].message.ends_with("100 % is 3.2 rad at each joint"));
     }

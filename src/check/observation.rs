@@ -21,13 +21,13 @@ pub fn joints_are_measured_once(subject: &Subject, sink: &mut Sink) {
         let terms: Vec<String> = terms.filter(|path| subject.kind(path) == Some(kind)).collect();
         let [first, second, ..] = terms.as_slice() else { continue };
         let message =
-            format!("`{first}` and `{second}` are both of kind `{kind}`, which measures the joints once");
-        let error = placed(Diagnostic::error("E0104", message), subject.place(second), "this one");
+            format!("duplicate joint measurement: `{first}` and `{second}` both have the kind `{kind}`");
+        let error = placed(Diagnostic::error("E0104", message), subject.place(second), "this term");
         let error = match subject.place(first) {
-            Some(place) => error.note(place, "and this one"),
+            Some(place) => error.note(place, "the other term"),
             None => error,
         };
-        sink.emit(error.help("keep one of the two: `enabled = false` switches a parent's off"));
+        sink.emit(error.help("remove one of them; `enabled = false` removes an inherited term"));
     }
 }
 
@@ -41,7 +41,7 @@ pub fn scales_fit_the_joints(subject: &Subject, sink: &mut Sink) {
         if [1, FUNCTIONS, joints].contains(&count) {
             continue;
         }
-        let message = format!("`{path}.scale` has {count} numbers, and `{}` has {joints} joints", robot.name);
+        let message = format!("`{path}.scale` has {count} numbers, but `{}` has {joints} joints", robot.name);
         let error = Diagnostic::error("E0103", message);
         let help = format!(
             "write one for all joints, {FUNCTIONS} (hip yaw, hip roll, hip pitch, knee, ankle pitch and \

@@ -78,10 +78,20 @@ fn look(
         let now = experiment.marks.get(&below(path, key)).filter(|mark| mark.layer == Layer::Default);
         if let Some(mark) = now.filter(|mark| taken && mark.text != text) {
             let message =
-                format!("`{path}.{key}` of a parent is lost: `kind` was changed to `{}`", kind.name);
-            let diagnostic =
-                Diagnostic::warning("W0505", message).at(span, format!("now the default, {}", mark.text));
-            let help = format!("write `{key} = {text}` again below `kind`, or `{key} = {}`", mark.text);
+                format!("the inherited `{path}.{key}` is lost because `kind` changes to `{}`", kind.name);
+            let diagnostic = Diagnostic::warning("W0505", message).at(
+                span,
+                format!(
+                    "replaced by the default, \
+                     {}",
+                    mark.text
+                ),
+            );
+            let help = format!(
+                "add `{key} = {text}` below `kind`, or `{key} = {}` to confirm the \
+                                default",
+                mark.text
+            );
             sink.emit(diagnostic.note(place, "replaces the whole table").help(help));
         }
     }

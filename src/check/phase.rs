@@ -9,10 +9,9 @@ pub fn phase_actions_are_there(subject: &Subject, sink: &mut Sink) {
     if subject.at(Position::phase_action).is_none() || subject.at(Position::phase_modulation) != Some(false) {
         return;
     }
-    let mut diagnostic =
-        Diagnostic::error("E0105", "`phase_action` says what a phase action does, and there is none");
+    let mut diagnostic = Diagnostic::error("E0105", "`phase_action` has no effect without a phase action");
     if let Some(place) = subject.place(&Position::phase_action.path()) {
-        diagnostic = diagnostic.at(place, "of no effect");
+        diagnostic = diagnostic.at(place, "no effect");
     }
     if let Some(mark) = subject.marks.get(&Position::phase_modulation.path()) {
         diagnostic = diagnostic.note(mark.value, "switched off here");

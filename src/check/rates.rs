@@ -52,7 +52,7 @@ fn divides(subject: &Subject, path: &str, whole_path: &str, sink: &mut Sink) -> 
         diagnostic = diagnostic.at(place, remark);
     }
     if let Some(place) = subject.place(whole_path) {
-        diagnostic = diagnostic.note(place, "not a whole multiple");
+        diagnostic = diagnostic.note(place, "not a multiple");
     }
     sink.emit(diagnostic.help(cure(subject, (path, rate), (whole_path, physics))));
     false

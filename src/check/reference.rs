@@ -92,9 +92,9 @@ pub fn suits(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
     let name = subject.motion();
     let message = match error {
         MotionError::Clip(flaw) => {
-            format!("the clip of the reference motion `{name}` cannot be used: {flaw}")
+            format!("invalid clip of the reference motion `{name}`: {flaw}")
         }
-        _ => format!("the reference motion `{name}` does not suit `{}`: {error}", robot.name),
+        _ => format!("the reference motion `{name}` is infeasible for `{}`: {error}", robot.name),
     };
     let mut diagnostic = Diagnostic::error("E0509", message);
     if let Some(place) = subject.place(&Walk::motion.path()) {
@@ -127,22 +127,21 @@ pub fn suits(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
              `half_foot_spacing`, and name it here"
         }
         MotionError::OutOfReach { .. } => {
-            "a motion of shorter steps, or of smaller lengths altogether, is within its reach: write \
-             `specs/motions/NAME.toml` of the \
-             same kind (`specforge explain` with the kind's name has its keys) and name it here"
+            "use shorter steps or smaller lengths: write `specs/motions/NAME.toml` of the same kind \
+             (`specforge explain KIND` lists its keys) and name it here"
         }
         MotionError::OutsideLimits { .. } => {
-            "write `specs/motions/NAME.toml` of the same kind (`specforge explain` with the kind's name has \
-             its keys) and name it here; \
-             or, where the limits in the robot's file are wrong, mend those"
+            "write `specs/motions/NAME.toml` of the same kind (`specforge explain KIND` lists its keys) and \
+             name it here, or correct the limits in the robot's file"
         }
         MotionError::Clip(_) => {
-            "mend the recording: `specforge explain motion.clip` says what its columns hold, angles in rad \
-             and contacts of 0 or 1"
+            "correct the recording: angles are in rad and contacts 0 or 1 (`specforge explain motion.clip` \
+             documents the columns)"
         }
         MotionError::Values(_) => "write smaller numbers in the motion's file, or a longer `period`",
         MotionError::UnknownKind(_) | MotionError::Legs { .. } | MotionError::SixJoints => {
-            "`specforge list motion` shows the kinds of motions, `specforge explain` what legs they are for"
+            "`specforge list motion` prints the kinds of motions, and `specforge explain KIND` the legs \
+             that they need"
         }
     };
     sink.emit(diagnostic.help(cure));
@@ -215,8 +214,8 @@ fn bent_knees(robot: &Robot) -> Option<String> {
     });
     let positions: Vec<String> = positions.collect();
     Some(format!(
-        "the knees are straight in the default pose, and a step needs legs that reach further: bend them in \
-         the robot's file, for example \
+        "bend the knees of the default pose in the robot's file, so that the legs can reach further, for \
+         example \
          with `default_position` {}, and mirrored on the right",
         positions.join(", ")
     ))
@@ -240,7 +239,7 @@ pub fn stays_apart(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink)
     let term = terms.find(|(_, term)| term.is::<OfSelfCollision>()).map(|(path, _)| path);
     let name = subject.motion();
     let message = format!(
-        "in the reference motion `{name}` links of `{}` are inside each other in {:.0} % of the cycle: \
+        "in the reference motion `{name}` links of `{}` collide in {:.0} % of the cycle: \
          `{first}` and `{second}` at \
          phase {phase:.2}",
         robot.name,
@@ -255,9 +254,8 @@ pub fn stays_apart(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink)
     }
     let Some(term) = term else {
         sink.emit(diagnostic.help(
-            "a policy that follows it fails its task: use a motion that keeps the links apart, for example a \
-             squat that is less deep, or \
-             make collision shapes in the robot's file smaller where they are larger than the links",
+            "use a motion without self-collisions, such as a shallower squat, or shrink collision shapes in \
+             the robot's file that are larger than the links",
         ));
         return;
     };
@@ -265,9 +263,8 @@ pub fn stays_apart(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink)
         diagnostic = diagnostic.note(place, "ends every episode there");
     }
     sink.emit(diagnostic.help(format!(
-        "where the collision shapes in the robot's file are larger than the links, make them smaller; or \
-         switch the termination off \
-         with `{term}.enabled = false`"
+        "shrink collision shapes in the robot's file that are larger than the links, or remove the \
+         termination with `{term}.enabled = false`"
     )));
 }
 
@@ -363,8 +360,7 @@ mod tests {
         assert_eq!(told.iter().map(|told| told.code).collect::<Vec<_>>(), ["E0509"]);
         let help = format!("{:?}", told[0]);
         assert!(
-            help.contains("the knees are straight in the default pose")
-                && help.contains("for `L_Knee_Joint`"),
+            help.contains("bend the knees of the default pose") && help.contains("for `L_Knee_Joint`"),
             "{help}"
         );
         assert!(!help.contains("shorter steps"), "{help}");

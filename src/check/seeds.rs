@@ -16,18 +16,11 @@ pub fn learning_and_evaluation_are_apart(sweep: &Sweep, experiment: &Experiment,
             else {
                 continue;
             };
-            let message =
-                format!("`{section}.{name}` evaluates with the seed {seed}, which a run learns with");
-            let error =
-                Diagnostic::error("E0705", message).at(*place, format!("the learning seeds hold {seed}"));
+            let message = format!("`{section}.{name}` uses the seed {seed}, which is also a learning seed");
+            let error = Diagnostic::error("E0705", message).at(*place, format!("{seed} is a learning seed"));
             let mark = experiment.marks.nearest(&Setting::seed.below(&format!("{section}.{name}")));
-            let error =
-                mark.map_or(error.clone(), |mark| error.note(mark.value, "the seed of the evaluation"));
-            sink.emit(
-                error.help(
-                    "all arms are evaluated with one seed that none has learned with: change one of them",
-                ),
-            );
+            let error = mark.map_or(error.clone(), |mark| error.note(mark.value, "evaluation seed"));
+            sink.emit(error.help("change one of them: the evaluation seed must be unseen in training"));
         }
     }
 }

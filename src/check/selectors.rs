@@ -44,7 +44,8 @@ fn selected(value: Option<&Value>) -> Vec<&str> {
 
 fn nothing(subject: &Subject, (path, wanted): (&str, &str), names: &[&str]) -> Diagnostic {
     let robot = subject.robot.map_or("", |robot| robot.name.as_str());
-    let mut diagnostic = Diagnostic::error("E0402", format!("`{wanted}` matches nothing of `{robot}`"));
+    let mut diagnostic =
+        Diagnostic::error("E0402", format!("`{wanted}` matches no joint or link of `{robot}`"));
     let place = subject.place(path);
     if let Some(place) = place {
         diagnostic = diagnostic.at(place, "");
@@ -57,7 +58,7 @@ fn nothing(subject: &Subject, (path, wanted): (&str, &str), names: &[&str]) -> D
                 .into_iter()
                 .fold(diagnostic, |diagnostic, place| diagnostic.fix(place, format!("\"{near}\"")))
         }
-        None => diagnostic.help(format!("there are: {}", names.join(", "))),
+        None => diagnostic.help(format!("available: {}", names.join(", "))),
     }
 }
 

@@ -37,7 +37,7 @@ pub fn servos_bear_their_delay(subject: &Subject, sink: &mut Sink) {
         1 => " (and of one more joint)".to_owned(),
         others => format!(" (and of {others} more joints)"),
     };
-    let message = format!("its delay makes the servo of `{}` unstable{also}", worst.joint.name);
+    let message = format!("the servo of `{}`{also} is unstable at the longest delay", worst.joint.name);
     let reason = format!(
         "K_d = {} N m s/rad, {} late, on {} kg m^2 with the leg in the air: {:.0} Hz",
         short(shares.1 * worst.joint.damping_gain),
@@ -50,30 +50,31 @@ pub fn servos_bear_their_delay(subject: &Subject, sink: &mut Sink) {
         diagnostic = diagnostic.at(place, reason);
     }
     if let Some(place) = subject.place(&Position::delay.path()) {
-        diagnostic = diagnostic.note(place, "holds the servo's torque back");
+        diagnostic = diagnostic.note(place, "delays the servo's torque");
     }
-    sink.emit(diagnostic.help(advice(&loops, shares, lag)));
+    sink.emit(match stable(&loops, shares, lag) {
+        Some((share, degrees)) => {
+            let share = format!("\"{} %\"", short((1000.0 * share).round() / 10.0));
+            let diagnostic = diagnostic.help(format!(
+                "with `damping = {share}` every joint has a phase margin of at least {degrees} deg"
+            ));
+            subject.edited(&Position::damping.path(), share, diagnostic)
+        }
+        None => diagnostic.help("lower the stiffness or the delay: no damping makes the servo stable"),
+    });
 }
 
-/// The largest damping up to that of the spec that leaves every joint [`MARGIN`], or else the one that leaves
-/// most.
-fn advice(loops: &[Loop], (stiffness, damping): (f64, f64), lag: f64) -> String {
+/// The largest damping below that of the spec, in shares of the robot's own, that leaves every joint
+/// [`MARGIN`], or else the one that leaves most; and the phase margin in degrees. `None` if no damping makes
+/// the servo stable.
+fn stable(loops: &[Loop], (stiffness, damping): (f64, f64), lag: f64) -> Option<(f64, f64)> {
     let least = |share: f64| {
         loops.iter().map(|servo| servo.margin((stiffness, share), lag)).fold(f64::INFINITY, f64::min)
     };
     let smaller = (1..100).rev().map(|percent| damping * f64::from(percent) / 100.0);
     let best =
         smaller.map(|share| (share, least(share).min(MARGIN))).reduce(|a, b| if b.1 > a.1 { b } else { a });
-    match best {
-        Some((share, margin)) if margin > 0.0 => {
-            let (share, degrees) = (short((1000.0 * share).round() / 10.0), margin.to_degrees().round());
-            format!(
-                "`damping = \"{share} %\"` of the robot's own gains leaves every joint at least {degrees} \
-                 deg of phase"
-            )
-        }
-        _ => "no damping helps: take a smaller stiffness or a shorter delay".to_owned(),
-    }
+    best.filter(|(_, margin)| *margin > 0.0).map(|(share, margin)| (share, margin.to_degrees().round()))
 }
 
 /// The longest time in s between what the servo reads and what its torque does about it: the delay, half of
@@ -198,6 +199,6 @@ mod tests {
         assert_eq!(said(0.01, 0.05), []);
         let found = said(4.0, 0.02);
         assert_eq!(found.iter().map(|found| found.code).collect::<Vec<_>>(), ["W0512"]);
-        assert!(found[0].message.starts_with("its delay makes the servo of `"), "{}", found[0].message);
+        assert!(found[0].message.ends_with("is unstable at the longest delay"), "{}", found[0].message);
     }
 }

@@ -66,8 +66,8 @@ fn stands(subject: &Subject) -> bool {
 fn missed(subject: &Subject, key: &str, readers: &[(String, Signal)]) -> Diagnostic {
     let paths = || readers.iter().map(|(path, _)| path.as_str());
     let message = match readers {
-        [(path, signal)] => format!("`{path}` needs {}, but there is no `{key}`", describe(*signal)),
-        _ => format!("{} need `{key}`, which is not there", listed(paths())),
+        [(path, signal)] => format!("`{path}` needs {}, but `{key}` is missing", describe(*signal)),
+        _ => format!("{} need `{key}`, which is missing", listed(paths())),
     };
     let mut diagnostic = Diagnostic::error("E0303", message);
     for (index, (path, signal)) in readers.iter().enumerate() {
@@ -84,10 +84,10 @@ fn missed(subject: &Subject, key: &str, readers: &[(String, Signal)]) -> Diagnos
     let protocols = [Evaluation::SECTION, Deployment::SECTION];
     let is_term = |path: &str| !path.split('.').next().is_some_and(|section| protocols.contains(&section));
     let drop = match (paths().all(is_term), readers.len()) {
-        (true, 1) => "drop the term with `enabled = false`",
-        (true, _) => "drop these terms with `enabled = false`",
-        (false, 1) => "leave it out",
-        (false, _) => "leave these out",
+        (true, 1) => "remove the term with `enabled = false`",
+        (true, _) => "remove these terms with `enabled = false`",
+        (false, 1) => "remove it",
+        (false, _) => "remove them",
     };
     diagnostic.help(format!("add `{example}` to `[task]`, or {drop}"))
 }
@@ -118,7 +118,7 @@ fn describe(signal: Signal) -> &'static str {
         Signal::Torque => "the joint torques",
         Signal::FootForce => "the forces on the feet",
         Signal::BodyContact => "the contacts of the body",
-        Signal::SelfCollision => "links inside each other",
+        Signal::SelfCollision => "self-collisions",
         Signal::Reference => "a reference motion",
         Signal::ContactSchedule => "a contact schedule",
         Signal::Phase => "the phase of a motion",
@@ -141,7 +141,7 @@ mod tests {
         assert_eq!(found_without.len(), 1);
         assert_eq!(
             (found_without[0].code, found_without[0].message.as_str()),
-            ("E0303", "`observe.speed` needs a commanded speed, but there is no `task.command`")
+            ("E0303", "`observe.speed` needs a commanded speed, but `task.command` is missing")
         );
         let with =
             format!("[task]\nkind = \"walk\"\nmotion = \"walk\"\ncommand = {{ speed = 0.2 }}\n{terms}");
@@ -156,7 +156,7 @@ mod tests {
                     \"episodes\"\n";
         let missed = found(terms_find_their_signals, text, None);
         assert_eq!(missed.len(), 1);
-        let message = "`evaluate.fast.command` and `evaluate.grid` need `task.command`, which is not there";
+        let message = "`evaluate.fast.command` and `evaluate.grid` need `task.command`, which is missing";
         assert_eq!((missed[0].code, missed[0].message.as_str()), ("E0303", message));
         let followed = text.replacen("motion =", "command = { speed = 0.1 }\nmotion =", 1);
         assert_eq!(found(terms_find_their_signals, &followed, None), []);
@@ -171,7 +171,7 @@ mod tests {
         assert_eq!(missed.len(), 1);
         assert_eq!(
             missed[0].message,
-            "`initial` and `terminate.contact_schedule` need `task.motion`, which is not there"
+            "`initial` and `terminate.contact_schedule` need `task.motion`, which is missing"
         );
         let standing = found(terms_find_their_signals, &text.replace("walk", "stand"), None);
         assert_eq!(standing, [], "the default pose is the reference");

@@ -17,11 +17,9 @@ pub fn soft_contacts_are_mujocos(subject: &Subject, sink: &mut Sink) {
         let mut diagnostic =
             Diagnostic::warning("W0507", format!("`{key}` softens the contacts of rapier to {time}"));
         if let Some(place) = subject.place(&key) {
-            diagnostic = diagnostic.at(place, "rapier's soft contacts do not carry light feet");
+            diagnostic = diagnostic.at(place, "rapier's soft contacts do not support light feet");
         }
-        sink.emit(
-            diagnostic.help("leave it out: to bring the engines together, make MuJoCo's contacts stiffer"),
-        );
+        sink.emit(diagnostic.help("remove it; to match the engines, make MuJoCo's contacts stiffer"));
     }
 }
 

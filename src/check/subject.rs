@@ -1,6 +1,6 @@
 //! What the rules look at.
 
-use crate::diag::Span;
+use crate::diag::{Diagnostic, Span};
 use crate::kinds::action::Position;
 use crate::kinds::deploy::Deployment;
 use crate::kinds::evaluate::{Evaluation, Setting, Spread};
@@ -12,6 +12,7 @@ use crate::kinds::terrain::Ground;
 use crate::robot::Robot;
 use crate::spec::typed::{InSection, Key, Part, Typed};
 use crate::spec::{Marks, Section, Table, Value};
+use crate::syntax::Layer;
 
 /// A decoded spec, the places of its values and its robot.
 #[derive(Clone, Copy, Debug)]
@@ -122,6 +123,15 @@ impl<'a> Subject<'a> {
             Some(Value::Count(count)) => count.to_string(),
             Some(Value::Text(text)) => text.clone(),
             _ => String::new(),
+        }
+    }
+
+    /// The diagnostic with the edit that replaces the value at a path by `replacement`, which is TOML. Defaults
+    /// have no place to edit.
+    pub fn edited(&self, path: &str, replacement: impl Into<String>, diagnostic: Diagnostic) -> Diagnostic {
+        match self.marks.get(path).filter(|mark| mark.layer != Layer::Default) {
+            Some(mark) => diagnostic.fix(mark.value, replacement),
+            None => diagnostic,
         }
     }
 

@@ -14,6 +14,7 @@ use super::{arms, figures, seeds};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::robot::{Robot, stated};
 use crate::spec::claim::Claim;
+use crate::spec::suite::sweep::Grasp;
 use crate::spec::suite::{Axis, ClaimPolicy, LoadedArm, LoadedSuite, Suite, load};
 use crate::spec::{Attachment, Experiment, LoadOptions, Reach, Table, Vocabulary, allow, section};
 use crate::syntax::{Disk, Files};
@@ -99,17 +100,28 @@ fn examined(
         checked.push(CheckedArm { arm, robot, motion });
     }
     if let Some(suite) = &suite {
+        if suite.sweep.grasp != Grasp::Full {
+            arms::keep_certain(&checked, &mut found);
+        }
         arms::gather(suite, &checked, found, &mut sink);
     }
-    // Claims are about the arms: they are looked at when those are sound.
     let claims = match &suite {
         Some(suite) if !sink.has_errors() => {
             let shortened = options.profile.is_some() || !options.sets.is_empty();
             checked_claims(suite, &Scope { shortened, ..scope(suite, &checked) }, &checked, &mut sink)
         }
-        _ => Vec::new(),
+        // What claims say about the arms is checked only if those have no mistakes, the rest in any case.
+        Some(suite) => {
+            let scope = scope(suite, &checked);
+            let axes = (suite.sweep.grasp != Grasp::Part).then_some(&scope);
+            claims::alone(&suite.claims, axes, &mut sink);
+            sink.diagnostics
+                .sort_by_key(|found| found.labels.first().map(|label| (label.span.source, label.span.start)));
+            Vec::new()
+        }
+        None => Vec::new(),
     };
-    if let Some(suite) = &suite {
+    if let Some(suite) = suite.as_ref().filter(|suite| suite.sweep.grasp == Grasp::Full) {
         figures::produced(&suite.figures, &checked, &mut sink);
     }
     if options.deny_warnings {

@@ -15,8 +15,8 @@ use crate::spec::{Experiment, Section};
 pub fn some_are_switched_on(subject: &Subject, experiment: &Experiment, sink: &mut Sink) {
     let learns = subject.at(Ppo::samples).is_some_and(|samples| samples > 0);
     let sections = [
-        (Observations::SECTION, true, "the policy would see nothing"),
-        (Rewards::SECTION, learns, "nothing would be learned"),
+        (Observations::SECTION, true, "the policy would have no input"),
+        (Rewards::SECTION, learns, "the policy would have no objective"),
     ];
     for (section, needed, without) in sections {
         let failed = |path: &String| path.strip_prefix(section).is_some_and(|rest| rest.starts_with('.'));
@@ -26,9 +26,12 @@ pub fn some_are_switched_on(subject: &Subject, experiment: &Experiment, sink: &m
         }
         let mut diagnostic = Diagnostic::error("E0101", format!("`{section}` has no terms: {without}"));
         if let Some(mark) = subject.marks.get(section) {
-            diagnostic = diagnostic.at(mark.key, "none is written, or all are switched off");
+            diagnostic = diagnostic.at(mark.key, "no term, or all switched off");
         }
-        sink.emit(diagnostic.help(format!("write a term: `specforge list {section}` shows which there are")));
+        sink.emit(diagnostic.help(format!(
+            "add a term: `specforge list {section}` prints the available \
+             ones"
+        )));
     }
     if learns && !experiment.is_abstract {
         some_weigh(subject, experiment, sink);
@@ -44,10 +47,13 @@ fn some_weigh(subject: &Subject, experiment: &Experiment, sink: &mut Sink) {
     if failed || terms.is_empty() || terms.iter().any(weighs) {
         return;
     }
-    let mut diagnostic =
-        Diagnostic::error("E0101", "every term of `reward` has the weight zero: nothing would be learned");
+    let mut diagnostic = Diagnostic::error(
+        "E0101",
+        "all terms of `reward` have weight zero: the policy would have no \
+                                    objective",
+    );
     if let Some(mark) = subject.marks.get(Rewards::SECTION) {
-        diagnostic = diagnostic.at(mark.key, "no term here has a weight");
+        diagnostic = diagnostic.at(mark.key, "all weights are zero");
     }
     sink.emit(diagnostic.help("give the terms positive `weight`s"));
 }

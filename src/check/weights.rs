@@ -27,7 +27,7 @@ pub fn weights_are_not_zero(subject: &Subject, sink: &mut Sink) {
         let diagnostic = Diagnostic::warning("W0501", format!("`{path}` has no effect: its weight is zero"));
         sink.emit(
             placed(subject, &RewardTerm::weight.below(&path), diagnostic)
-                .help("drop the term with `enabled = false`"),
+                .help("remove the term with `enabled = false`"),
         );
     }
 }
@@ -39,12 +39,15 @@ pub fn weights_are_positive(subject: &Subject, sink: &mut Sink) {
         if weight >= 0.0 {
             continue;
         }
-        let message = format!(
-            "`reward.{term}` has the negative weight {}: the policy is paid for the opposite",
-            short(weight)
-        );
-        let help = "write a positive weight: every reward term is 1 at best and 0 at worst";
-        sink.emit(placed(subject, &place, Diagnostic::warning("W0520", message)).help(help));
+        let message =
+            format!("`reward.{term}` has the negative weight {}, which rewards the opposite", short(weight));
+        let help = "write a positive weight: reward terms are between 0 (worst) and 1 (best)";
+        let diagnostic = placed(subject, &place, Diagnostic::warning("W0520", message)).help(help);
+        let written = subject.marks.get(&place).and_then(|mark| mark.text.strip_prefix('-'));
+        sink.emit(match written {
+            Some(positive) => subject.edited(&place, positive, diagnostic),
+            None => diagnostic,
+        });
     }
 }
 
@@ -102,15 +105,14 @@ fn dominating(subject: &Subject, weights: &[(String, String, f64)], sink: &mut S
         weights.iter().filter(|(_, other, _)| other != term).map(|(.., weight)| weight.abs()).sum();
     let others = weights.len() - 1;
     let message = format!(
-        "`reward.{term}` pays {:.1} % of the reward: {} against {} for the {}",
+        "`reward.{term}` contributes {:.1} % of the reward: {} against {} for the {}",
         100.0 * (weight.abs() / unit) / total,
         short(*weight),
         short(rest),
         if others == 1 { "other term".to_owned() } else { format!("{others} other terms together") },
     );
     let help = format!(
-        "the other terms hardly count in what is learned: lower its weight to {} or less, or switch the \
-         others off",
+        "lower its weight to {} or less, so that the other terms influence the policy, or remove them",
         short(2.0 * rest)
     );
     sink.emit(placed(subject, place, Diagnostic::warning("W0521", message)).help(help));
@@ -150,7 +152,10 @@ mod tests {
         );
         assert_eq!(told.len(), 1, "{told:?}");
         assert!(
-            told[0].1.starts_with("`reward.torque` pays 93.9 % of the reward: 1.700e308 against 1.100e307"),
+            told[0].1.starts_with(
+                "`reward.torque` contributes 93.9 % of the reward: 1.700e308 against \
+                                   1.100e307"
+            ),
             "{told:?}"
         );
     }
@@ -160,7 +165,7 @@ mod tests {
         let text = "[reward.torque]\nweight = -0.05\n[reward.contact_force]\nweight = \
             0.1\n[fine_tune.weights]\ncontact_force = -1.0";
         let message = |term: &str, weight: &str| {
-            format!("`reward.{term}` has the negative weight {weight}: the policy is paid for the opposite")
+            format!("`reward.{term}` has the negative weight {weight}, which rewards the opposite")
         };
         let expected = [("W0520", message("torque", "-0.05")), ("W0520", message("contact_force", "-1"))];
         assert_eq!(said(weights_are_positive, text), expected);
@@ -173,7 +178,8 @@ mod tests {
             format!("[reward.a]\nweight = {weight}\n[reward.b]\nweight = 0.3\n[reward.c]\nweight = 0.2")
         };
         assert!(said(no_weight_dominates, &text("2.0")).is_empty());
-        let expected = "`reward.a` pays 98.0 % of the reward: 25 against 0.5 for the 2 other terms together";
+        let expected = "`reward.a` contributes 98.0 % of the reward: 25 against 0.5 for the 2 other terms \
+                        together";
         assert_eq!(said(no_weight_dominates, &text("25.0")), [("W0521", expected.to_owned())]);
         assert_eq!(said(no_weight_dominates, &text("1e300")).len(), 1);
         assert_eq!(said(no_weight_dominates, &text("-25.0")).len(), 1);

@@ -12,7 +12,7 @@ pub struct Page {
 }
 
 impl Page {
-    /// What stands after the code in the first line: `unit mismatch`.
+    /// What stands after the code in the first line: `wrong dimension`.
     pub fn title(&self) -> &'static str {
         let first = self.text.lines().next().unwrap_or_default();
         first.split_once(": ").map_or(first, |(_, title)| title)

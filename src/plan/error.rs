@@ -114,7 +114,7 @@ impl PlanError {
     fn help(&self) -> Option<&'static str> {
         match self {
             Self::MissingProducer { producer: "export", .. } => {
-                Some("add the stage that exports the policy: `[deploy.policy]` with `kind = \"export\"`")
+                Some("add `[deploy.policy]` with `kind = \"export\"`")
             }
             Self::MissingProducer { producer: "learner", .. } => Some("add the section `[learn]`"),
             Self::SameName { .. } => Some("give each spec its own `name`"),

@@ -226,7 +226,7 @@ pub fn place(error: &minijinja::Error, source: SourceId, text: &str) -> Diagnost
     }
     if error.kind() == ErrorKind::SyntaxError {
         diagnostic = diagnostic.help(
-            "expressions stand in `{{ }}`; a `{% for %}` or `{% if %}` ends with `{% endfor %}` or \
+            "write expressions in `{{ }}`; a `{% for %}` or `{% if %}` ends with `{% endfor %}` or \
              `{% endif %}`",
         );
     }

@@ -62,7 +62,7 @@ fn unknown_section(key: &str, entry: &Entry, vocabulary: &Vocabulary) -> Diagnos
     let set = matches!(entry.node.layer, Layer::Point | Layer::Set);
     let what = if entry.node.table().is_some() { "section" } else { "key" };
     let error = match set {
-        true => Diagnostic::error("E0604", format!("path `{key}` does not exist")),
+        true => Diagnostic::error("E0604", format!("unknown path `{key}`")),
         false => Diagnostic::error("E0102", format!("unknown {what} `{key}`")),
     };
     let error = error.at(entry.key, "");
@@ -83,7 +83,7 @@ fn missing_section(section: &SectionShape, header: &Header, decoder: &mut Decode
     }
     let error = Diagnostic::error("E0101", format!("missing section `{}`", section.name));
     let error = match header.place {
-        Some(place) => error.at(place, "this spec has no such section, and no parent has it"),
+        Some(place) => error.at(place, "neither in this spec nor in a parent"),
         None => error,
     };
     decoder.sink.emit(error.help(format!("add `[{}]`, or extend a spec that has it", section.name)));
@@ -101,7 +101,7 @@ fn absent_section(section: &SectionShape, header: &Header, decoder: &mut Decoder
 /// `[allow]`: codes of warnings, each with a reason.
 fn decode_allow(entry: &Entry, decoder: &mut Decoder<'_>, table: &mut Table) {
     let Some(map) = entry.node.table() else {
-        let message = format!("`allow` is a table, found {}", entry.node.describe());
+        let message = format!("`allow` must be a table, found {}", entry.node.describe());
         decoder.sink.emit(Diagnostic::error("E0103", message).at(entry.node.span, "not a table"));
         return;
     };
@@ -110,14 +110,21 @@ fn decode_allow(entry: &Entry, decoder: &mut Decoder<'_>, table: &mut Table) {
         let warning = code.starts_with('W') && crate::diag::codes::page(code).is_some();
         match entry.node.text().map(str::trim) {
             _ if !warning => {
-                let error = Diagnostic::error("E0102", format!("`{code}` is no warning")).at(entry.key, "");
+                let error = Diagnostic::error(
+                    "E0102",
+                    format!(
+                        "`{code}` is not a \
+                     warning"
+                    ),
+                )
+                .at(entry.key, "");
                 decoder.sink.emit(error.help("only warnings can be allowed: `W0501 = \"the reason\"`"));
             }
             Some(reason) if !reason.is_empty() => {
                 allowed.insert(code.clone(), Value::Text(reason.to_owned()));
             }
             _ => {
-                let error = Diagnostic::error("E0108", format!("`{code}` is allowed without a reason"));
+                let error = Diagnostic::error("E0108", format!("missing reason for allowing `{code}`"));
                 decoder
                     .sink
                     .emit(error.at(entry.node.span, "").help(format!("write `{code} = \"the reason\"`")));

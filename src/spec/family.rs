@@ -9,6 +9,7 @@ use crate::syntax::{Files, Forms, Item, Map, Node, file, files, merge, parse};
 
 use super::Edition;
 use super::reach::{Place, Reach};
+use super::suggest::safe_name;
 
 /// Most files that extend one another in a chain.
 const MOST_GENERATIONS: usize = 32;
@@ -262,7 +263,7 @@ impl Gathering<'_, '_> {
         {
             let message = format!("unsupported edition {}", edition.node.toml());
             let error =
-                Diagnostic::error("E0003", message).at(edition.node.span, "this program knows edition 1");
+                Diagnostic::error("E0003", message).at(edition.node.span, "specforge supports edition 1");
             self.desk.sink.emit(error.help("write `spec = 1`").fix(edition.node.span, "1"));
             return None;
         }
@@ -283,21 +284,23 @@ impl Gathering<'_, '_> {
             !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '-' | '.'));
         let plain = plain && !name.starts_with('.');
         if !plain {
-            let error = Diagnostic::error(
-                "E0107",
-                format!("`{name}` is no name: reports and artefacts are called by it"),
-            );
-            self.desk.sink.emit(error.at(place, "not a name").help("use letters, digits, `_`, `-` and `.`"));
+            let error = Diagnostic::error("E0107", format!("invalid name `{name}`"));
+            let error = error.at(place, "invalid name").help("use letters, digits, `_`, `-` and `.`");
+            let safe = safe_name(name, |c| c.is_alphanumeric() || matches!(c, '_' | '-' | '.'));
+            self.desk.sink.emit(match safe.as_deref().map(|safe| safe.trim_start_matches(['.', '_'])) {
+                Some(safe) if !safe.is_empty() => error.fix(place, format!("\"{safe}\"")),
+                _ => error,
+            });
         }
         if name.len() > LONGEST_NAME {
             let error = Diagnostic::error(
                 "E0107",
-                format!("this name has {} bytes, and files are called by it", name.len()),
+                format!("the name is too long for file names: {} bytes", name.len()),
             );
-            let label = format!("{LONGEST_NAME} at most");
+            let label = format!("at most {LONGEST_NAME} bytes");
             self.desk
                 .sink
-                .emit(error.at(place, label).help("choose a shorter one and say the rest in `summary`"));
+                .emit(error.at(place, label).help("shorten it, and describe the experiment in `summary`"));
         }
         plain && name.len() <= LONGEST_NAME
     }
@@ -338,14 +341,13 @@ impl Gathering<'_, '_> {
 /// a motion.
 fn without_edition(body: &Map, top: Span) -> Diagnostic {
     let (message, label, help) = if body.get("links").is_some() {
-        let help =
-            "`specforge robot show NAME` checks it and prints its figures; a spec names it as `robot.model`";
-        ("this is the file of a robot, not a spec", "no edition, and `links`", help)
+        let help = "`specforge robot show NAME` checks and prints it; use it in a spec as `robot.model`";
+        ("this file describes a robot, not a spec", "has `links` and no edition", help)
     } else if body.get("kind").is_some() {
-        let help = "a spec names it as `task.motion`: check that spec, and the motion is checked with it";
-        ("this is the file of a motion, not a spec", "no edition, and a `kind`", help)
+        let help = "use it in a spec as `task.motion`; checking the spec checks the motion, too";
+        ("this file describes a motion, not a spec", "has a `kind` and no edition", help)
     } else {
-        let error = Diagnostic::error("E0002", "the edition is missing").at(top, "every spec begins with it");
+        let error = Diagnostic::error("E0002", "missing edition").at(top, "expected `spec = 1`");
         return error.help("add a first line `spec = 1`").fix(top, "spec = 1\n");
     };
     Diagnostic::error("E0002", message).at(top, label).help(help)

@@ -161,8 +161,7 @@ impl<'a> Loading<'a> {
         let sets = self.sets();
         let name = merged.header.name.clone().unwrap_or_else(|| stem(path));
         if name.len() > LONGEST_NAME && merged.header.name.is_none() {
-            let message =
-                format!("the name of the file has {} bytes, and the report is called by it", name.len());
+            let message = format!("the file name is too long for the report: {} bytes", name.len());
             let error = Diagnostic::error("E0107", message)
                 .help(format!("give the spec a `name` of at most {LONGEST_NAME} bytes"));
             self.sink.emit(match merged.header.place {
@@ -334,7 +333,7 @@ pub fn motions(vocabulary: &Vocabulary) -> Shelf<'_> {
 fn take_profiles(root: &mut Map, sink: &mut Sink) -> BTreeMap<String, Entry> {
     let Some(entry) = root.entries.remove("profile") else { return BTreeMap::new() };
     let wrong = |node: &Node, what: &str| {
-        Diagnostic::error("E0103", format!("{what} is a table, found {}", node.describe()))
+        Diagnostic::error("E0103", format!("{what} must be a table, found {}", node.describe()))
             .at(node.span, "not a table")
     };
     let Item::Table(map) = entry.node.item else {
@@ -346,8 +345,8 @@ fn take_profiles(root: &mut Map, sink: &mut Sink) -> BTreeMap<String, Entry> {
         profiles.iter().map(|(name, entry)| (entry.key, name.clone())).collect();
     places.sort_by_key(|(place, _)| (place.source, place.start));
     if let Some((first, _)) = places.get(MOST_PROFILES) {
-        let error = Diagnostic::error("E0009", format!("there are more than {MOST_PROFILES} profiles"));
-        sink.emit(error.at(*first, "one too many").help("a sweep of a suite is the place for many variants"));
+        let error = Diagnostic::error("E0009", format!("more than {MOST_PROFILES} profiles"));
+        sink.emit(error.at(*first, "one too many").help("use the sweep of a suite for many variants"));
         places[MOST_PROFILES..].iter().for_each(|(_, name)| drop(profiles.remove(name)));
     }
     profiles.retain(|name, entry| {

@@ -47,7 +47,7 @@ pub const WORDINGS: &[Wording] = &[
         key: "stiffness",
         code: "E0504",
         message: "a position action needs gains",
-        help: "add `stiffness = \"100 %\"` for the robot's own gains, or a share of them",
+        help: "add `stiffness`, for example `\"100 %\"` for the gains in the robot's file",
     },
     Wording {
         path: "action",
@@ -65,7 +65,7 @@ const fn gain_of_torque(key: &'static str) -> Wording {
         kind: "torque",
         key,
         code: "E0503",
-        message: "a torque action takes no gains",
+        message: "a torque action has no gains",
         help: "remove it, or write `kind = \"position\"`",
     }
 }

@@ -91,10 +91,7 @@ impl Shelf<'_> {
             }
         };
         let searched = folder.join(self.folder);
-        sink.emit(error.help(format!(
-            "searched in `{}`, then among those that come with specforge",
-            searched.display()
-        )));
+        sink.emit(error.help(format!("searched in `{}` and among the built-in ones", searched.display())));
         None
     }
 
@@ -116,11 +113,8 @@ impl Shelf<'_> {
     /// That the project's file of this name hides the one that comes with the program (W0421).
     pub fn replaced(&self, name: &str, path: &Path) -> Diagnostic {
         let (noun, path) = (self.noun, crate::escape::file(path));
-        Diagnostic::warning(
-            "W0421",
-            format!("`{path}` replaces the {noun} `{name}` that comes with specforge"),
-        )
-        .help(format!("rename the file unless every spec of this project that names `{name}` means it"))
+        Diagnostic::warning("W0421", format!("`{path}` replaces the built-in {noun} `{name}`"))
+            .help("rename the file, or allow the warning if the replacement is intended")
     }
 
     /// The names on the shelf of a project that a spec can write, sorted.

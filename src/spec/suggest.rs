@@ -35,6 +35,13 @@ fn rearranged(a: &str, b: &str) -> bool {
     words(a) == words(b)
 }
 
+/// A name with `_` in place of each run of characters that are not allowed in it; `None` if nothing else is
+/// left or the name is so long that nobody wants it.
+pub fn safe_name(name: &str, is_allowed: impl Fn(char) -> bool) -> Option<String> {
+    let words: Vec<&str> = name.split(|c| !is_allowed(c)).filter(|word| !word.is_empty()).collect();
+    Some(words.join("_")).filter(|safe| !safe.is_empty() && safe.chars().count() <= LONGEST)
+}
+
 /// Names for a message: `a`, `b` and `c`.
 pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let names: Vec<String> = names.into_iter().map(|name| format!("`{name}`")).collect();
@@ -57,6 +64,15 @@ mod tests {
         assert_eq!(nearest("tracking_velocity", names), Some("velocity_tracking"));
         assert_eq!(nearest("Kind", names), Some("kind"));
         assert_eq!(nearest("gravity", names), None);
+    }
+
+    #[test]
+    fn a_safe_name_keeps_the_words_that_are_allowed() {
+        let safe = |name: &str| safe_name(name, |c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'));
+        assert_eq!(safe("walk / torque").as_deref(), Some("walk_torque"));
+        assert_eq!(safe("a.b").as_deref(), Some("a_b"));
+        assert_eq!(safe(" // "), None);
+        assert_eq!(safe(&"x".repeat(101)), None);
     }
 
     #[test]

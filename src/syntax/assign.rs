@@ -15,8 +15,14 @@ pub fn assignment_of(option: &str, argument: &str, sources: &mut Sources, sink: 
     let source = sources.add(option, argument);
     let whole = Span { source, start: 0, end: argument.len() };
     let Some(equals) = argument.find('=') else {
-        let error =
-            Diagnostic::error("E0607", format!("`{argument}` assigns nothing")).at(whole, "no `=` here");
+        let error = Diagnostic::error(
+            "E0607",
+            format!(
+                "invalid assignment \
+                 `{argument}`"
+            ),
+        )
+        .at(whole, "`=` is missing");
         sink.emit(error.help("write `--set path=value`, for example `--set learn.seed=2`"));
         return None;
     };
@@ -27,7 +33,9 @@ pub fn assignment_of(option: &str, argument: &str, sources: &mut Sources, sink: 
         let name = key.trim();
         if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-')) {
             let path = Span { source, start: 0, end: equals };
-            sink.emit(Diagnostic::error("E0607", "an assignment's path is keys joined by dots").at(path, ""));
+            sink.emit(
+                Diagnostic::error("E0607", "invalid path of an assignment: join keys by dots").at(path, ""),
+            );
             return None;
         }
         keys.push((name.to_owned(), Span { source, start, end: start + name.len() }));

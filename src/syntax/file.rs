@@ -32,12 +32,12 @@ pub fn refused(files: &dyn Files, path: &Path, error: &ReadError) -> Diagnostic 
             let diagnostic = Diagnostic::error("E0004", format!("file not found: `{shown}`"));
             match neighbour(files, path) {
                 Some(name) if path.file_name().is_some_and(|own| *own == *name) => {
-                    diagnostic.help("it is a link, and the file that it names is missing")
+                    diagnostic.help("it is a symlink to a missing file")
                 }
                 Some(name) => diagnostic
                     .help(format!("there is a file `{}` in that folder", escape::file(Path::new(&name)))),
                 None => diagnostic.help(elsewhere(files, path).unwrap_or_else(|| {
-                    "a path in a spec begins at the folder of that spec, one in a terminal at the current \
+                    "paths in a spec are relative to its folder, paths on the command line to the current \
                      folder"
                         .to_owned()
                 })),
@@ -129,7 +129,7 @@ mod tests {
         }
         let run = format!("there is a file of that name: `{}`", path("specs/run.toml").display());
         assert_eq!(help("specs/paper/run.toml"), run);
-        assert!(help("specs/suites/stand.toml").starts_with("a path in a spec begins at"));
+        assert!(help("specs/suites/stand.toml").starts_with("paths in a spec are relative to"));
     }
 
     #[test]
@@ -163,7 +163,7 @@ mod tests {
         assert_eq!(read(&Disk, folder.path()).expect_err("a folder").code, "E0006");
         std::os::unix::fs::symlink("nowhere.toml", path("link.toml")).expect("a link");
         let dangling = read(&Disk, &path("link.toml")).expect_err("it leads nowhere");
-        assert_eq!(dangling.help, ["it is a link, and the file that it names is missing"]);
+        assert_eq!(dangling.help, ["it is a symlink to a missing file"]);
         let huge = read(&Disk, &path("huge.toml")).expect_err("too large");
         assert!(
             huge.code == "E0006"

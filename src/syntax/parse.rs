@@ -23,7 +23,7 @@ pub fn parse(sources: &Sources, source: SourceId, sink: &mut Sink) -> Option<Nod
             sink.emit(
                 error
                     .at(place, "one too many")
-                    .help("specs and robots have a few hundred: is this the right file?"),
+                    .help("specs and robots have a few hundred values: check that this is the right file"),
             );
             return None;
         }
@@ -119,13 +119,16 @@ fn advised(error: Diagnostic, message: &str, line: &str, (source, start): (Sourc
     }
     if line.trim_start().starts_with('[') && !line.contains(']') {
         let header = line.split('#').next().unwrap_or_default().trim();
-        return error.help(format!("close the header: `{header}]`"));
+        let start = start + (line.len() - line.trim_start().len());
+        let place = Span { source, start, end: start + header.len() };
+        let closed = format!("{header}{}", if header.starts_with("[[") { "]]" } else { "]" });
+        return error.help(format!("close the header: `{closed}`")).fix(place, closed);
     }
     if message.contains("string") {
-        return error.help("a string ends in its line with the quote that it begins with");
+        return error.help("close the string on the same line with the same quote");
     }
     if !line.contains('=') && !line.trim().is_empty() {
-        return error.help("a line is `key = value`, or a header such as `[action]`");
+        return error.help("write `key = value`, or a table header such as `[action]`");
     }
     error
 }

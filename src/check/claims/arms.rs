@@ -98,8 +98,37 @@ fn names_one(written: &str, known: &[&str]) -> bool {
     known.iter().any(|point| is_meant(written, point))
 }
 
+/// E0803: every axis and point that a claim names exists, whatever arms there are.
+pub fn names_are_known(claim: &Claim, scope: &Scope, sink: &mut Sink) {
+    for (side, pattern) in &claim.sides {
+        let path = if claim.sides.len() == 1 { "arm".to_owned() } else { format!("compare.{side}") };
+        terms_exist(claim, &path, pattern, scope, sink);
+    }
+    axis_exists(claim, scope, sink);
+    if let Some(pattern) = claim.baseline.as_ref().and_then(|baseline| baseline.twin.as_ref()) {
+        terms_exist(claim, "twin", pattern, scope, sink);
+    }
+}
+
 /// Every axis and point of a pattern exists, and some arm has all of them.
 fn exists(claim: &Claim, path: &str, pattern: &ArmPattern, scope: &Scope, sink: &mut Sink) -> bool {
+    if !terms_exist(claim, path, pattern, scope, sink) {
+        return false;
+    }
+    if matching(pattern, &scope.points()).is_empty() {
+        let error =
+            Diagnostic::error("E0803", "the claim names an unknown arm: no arm is at all of these points");
+        let error = at(claim, path, error, "left out of the sweep");
+        sink.emit(error.help(
+            "the combination was excluded, or is not included: name another, or take it into the sweep",
+        ));
+        return false;
+    }
+    true
+}
+
+/// Every axis and point of a pattern exists.
+fn terms_exist(claim: &Claim, path: &str, pattern: &ArmPattern, scope: &Scope, sink: &mut Sink) -> bool {
     let mut sound = true;
     for (index, term) in pattern.terms.iter().enumerate() {
         let mark = claim.marks.get(&format!("{path}.{index}"));
@@ -129,15 +158,6 @@ fn exists(claim: &Claim, path: &str, pattern: &ArmPattern, scope: &Scope, sink: 
             _ => error.help(format!("the points of `{}` are {}", term.axis, listed(valid))),
         };
         sink.emit(error);
-        sound = false;
-    }
-    if sound && matching(pattern, &scope.points()).is_empty() {
-        let error =
-            Diagnostic::error("E0803", "the claim names an unknown arm: no arm is at all of these points");
-        let error = at(claim, path, error, "left out of the sweep");
-        sink.emit(error.help(
-            "the combination was excluded, or is not included: name another, or take it into the sweep",
-        ));
         sound = false;
     }
     sound

@@ -374,7 +374,7 @@ fn unit(
         );
         error.help(format!("did you mean `{} {unit}`?", number.text))
     } else {
-        let message = format!("unit mismatch: expected {}, found {}", expected.name(), found.name());
+        let message = format!("wrong dimension: expected {}, found {}", expected.name(), found.name());
         let written =
             if unit.is_empty() { "`%` or as a bare number".to_owned() } else { format!("`{unit}`") };
         Diagnostic::error("E0203", message).help(format!("write it in {written}"))

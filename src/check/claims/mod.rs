@@ -88,6 +88,20 @@ pub fn claims(nodes: &[Node], scope: &Scope, sink: &mut Sink) -> Vec<Claim> {
     sound
 }
 
+/// The mistakes of claims that do not depend on what the arms do: in their keys and names, and, with a scope
+/// whose axes are known, in the arms that they name.
+pub fn alone(nodes: &[Node], axes: Option<&Scope>, sink: &mut Sink) {
+    let mut names = BTreeMap::new();
+    for claim in nodes.iter().filter_map(|node| claim::decode(node, sink)).collect::<Vec<_>>() {
+        repeated(&claim, &mut names, sink);
+        sample::statistic(&claim, sink);
+        measure::metric(&claim, sink);
+        if let Some(scope) = axes {
+            arms::names_are_known(&claim, scope, sink);
+        }
+    }
+}
+
 /// One claim: names first, then what they are used for, so that one cause gives one error.
 fn check(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Lone> {
     let statistic = sample::statistic(claim, sink);

@@ -176,11 +176,11 @@ mod tests {
     fn a_mismatch_is_shown_in_its_line_with_advice_below() {
         let (sources, _, child) = sources();
         let diagnostic =
-            Diagnostic::error("E0203", "unit mismatch: expected an angle, found an angular velocity")
+            Diagnostic::error("E0203", "wrong dimension: expected an angle, found an angular velocity")
                 .at(span(&sources, child, "rad/s"), "`rad/s` is an angular velocity")
                 .help("write the limit as an angle");
         let expected = "\
-error[E0203]: unit mismatch: expected an angle, found an angular velocity
+error[E0203]: wrong dimension: expected an angle, found an angular velocity
  --> specs/run.toml:4:14
   |
 4 | limit = \"0.8 rad/s\"

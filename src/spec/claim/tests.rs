@@ -175,7 +175,7 @@ fn advice_that_is_followed_is_accepted() {
         "compare",
         "compare = { a = \"control=torque\", b = \"control=position\", c = \"control=position\" }",
     );
-    assert_eq!(advice(&third), ["remove it: the keys here are `a` and `b`"]);
+    assert_eq!(advice(&third), ["remove it: the valid keys are `a` and `b`"]);
     let alone = with("compare", "arm = \"control=torque\"");
     let help = advice(&alone).concat();
     assert!(help.contains("`expect = \"a > 90 %\"`"), "{help}");

@@ -67,7 +67,7 @@ pub fn describe(ty: &Ty) -> String {
         Ty::Number => "a number".to_owned(),
         Ty::Quantity(dimension) => dimension.name(),
         Ty::Ratio(_) => "a percentage".to_owned(),
-        Ty::Text => "a text".to_owned(),
+        Ty::Text => "a string".to_owned(),
         Ty::Choice(words) => {
             words.iter().map(|word| format!("`\"{word}\"`")).collect::<Vec<_>>().join(" or ")
         }

@@ -8,8 +8,8 @@ use crate::diag::{Diagnostic, MOST_OF_A_CODE, Span};
 use crate::spec::marks::below;
 use crate::spec::mistake::{DERIVED, Wording};
 use crate::spec::suggest::{listed, nearest};
-use crate::spec::{Edition, Kind, Param};
-use crate::syntax::{Entry, Layer, Map, Node};
+use crate::spec::{Edition, Kind, Param, Ty};
+use crate::syntax::{Entry, Item, Layer, Map, Node};
 
 /// The table whose keys are looked at.
 pub struct Place<'a> {
@@ -58,7 +58,8 @@ impl Decoder<'_> {
                 let names = || params.iter().copied().flatten().map(|param| param.name);
                 let all: Vec<&str> = names().chain(reserved.iter().copied()).collect();
                 let free: Vec<&str> = all.iter().copied().filter(|name| !is_written(name)).collect();
-                let diagnostic = self.unknown_key(key, entry, all, &free, place);
+                let diagnostic = self.unknown_key((key, entry), map, all, &free, place);
+                meant.extend(range_of(key, entry, map, place));
                 meant.extend(
                     nearest(key, names().filter(|name| free.contains(name)))
                         .filter(|_| matches!(diagnostic.code, "E0102" | "E0604")),
@@ -75,11 +76,11 @@ impl Decoder<'_> {
         (unknown, meant)
     }
 
-    /// `free` are those of the names that are not written beside it.
+    /// `free` are those of the names that the table does not have yet.
     fn unknown_key(
         &self,
-        key: &str,
-        entry: &Entry,
+        (key, entry): (&str, &Entry),
+        map: &Map,
         names: Vec<&str>,
         free: &[&str],
         place: &Place<'_>,
@@ -94,7 +95,7 @@ impl Decoder<'_> {
         let near = nearest(key, free.iter().copied());
         let owners = if near.is_none() { owners(key, place) } else { Vec::new() };
         if matches!(entry.node.layer, Layer::Point | Layer::Set) && owners.is_empty() {
-            let error = Diagnostic::error("E0604", format!("path `{path}` does not exist")).at(entry.key, "");
+            let error = Diagnostic::error("E0604", format!("unknown path `{path}`")).at(entry.key, "");
             return match near {
                 Some(name) => {
                     error.help(format!("did you mean `{}`?", below(place.path, name))).fix(entry.key, name)
@@ -107,13 +108,19 @@ impl Decoder<'_> {
         }
         let whole = if place.path.is_empty() { String::new() } else { format!(" in `{}`", place.path) };
         let error = Diagnostic::error("E0102", format!("unknown key `{key}`{whole}")).at(entry.key, "");
+        if let Some(sampled) = range_of(key, entry, map, place).filter(|_| near.is_none()) {
+            let word = if key == "normal" { "normal" } else { "uniform" };
+            let written = format!("{sampled} = {{ {word} = {} }}", entry.node.toml());
+            let span = Span { end: entry.node.span.end, ..entry.key };
+            return error.help(format!("write `{written}`")).fix(span, written);
+        }
         match near {
             Some(name) => error.help(format!("did you mean `{name}`?")).fix(entry.key, name),
-            None if names.is_empty() => error.help("remove it: this table takes no keys"),
+            None if names.is_empty() => error.help("remove it: this table has no keys"),
             None if free.is_empty() => {
-                error.help(format!("remove it: the keys here are {}", listed(sorted(names))))
+                error.help(format!("remove it: the valid keys are {}", listed(sorted(names))))
             }
-            None => error.help(format!("the keys here are {}", listed(sorted(names)))),
+            None => error.help(format!("the valid keys are {}", listed(sorted(names)))),
         }
     }
 
@@ -199,7 +206,7 @@ impl Decoder<'_> {
             (Some(entry), _) => match entry.node.text() {
                 Some(word) => (word, entry.node.span),
                 None => {
-                    let message = format!("`kind` takes a word, found {}", entry.node.describe());
+                    let message = format!("`kind` must be a string, found {}", entry.node.describe());
                     self.sink.emit(Diagnostic::error("E0103", message).at(entry.node.span, "wrong type"));
                     self.poisoned.insert(path.to_owned());
                     return None;
@@ -210,7 +217,7 @@ impl Decoder<'_> {
                 if !self.partial {
                     let error = Diagnostic::error("E0101", format!("missing key `kind` in `{path}`"));
                     let help = format!("the kinds of {} are {}", registry.noun, listed(kinds()));
-                    self.sink.emit(error.at(node.span, "of which kind?").help(help));
+                    self.sink.emit(error.at(node.span, "`kind` is missing").help(help));
                 }
                 self.poisoned.insert(path.to_owned());
                 return None;
@@ -230,7 +237,7 @@ impl Decoder<'_> {
             None => {
                 let set = node.layer == Layer::Set && !map.entries.contains_key("kind");
                 let message = match set {
-                    true => format!("path `{path}` does not exist"),
+                    true => format!("unknown path `{path}`"),
                     false => format!("unknown {} `{word}`", registry.noun),
                 };
                 let error = Diagnostic::error(if set { "E0604" } else { "E0301" }, message).at(at, "");
@@ -249,11 +256,25 @@ impl Decoder<'_> {
     }
 }
 
+/// The key that a range such as `range = [0.5, 1.25]` is the value of: the only one of the kind that takes a
+/// distribution, if it is missing.
+fn range_of(key: &str, entry: &Entry, map: &Map, place: &Place<'_>) -> Option<&'static str> {
+    let is_range = matches!(key, "range" | "bounds" | "limits" | "uniform" | "normal")
+        && matches!(&entry.node.item, Item::List(items) if items.len() == 2)
+        && entry.key.source == entry.node.span.source
+        && entry.key.end <= entry.node.span.start;
+    let mut sampled = place.kind?.params.iter().filter(|param| matches!(param.ty, Ty::Sampler(_)));
+    match (sampled.next(), sampled.next()) {
+        (Some(param), None) if is_range && map.get(param.name).is_none() => Some(param.name),
+        _ => None,
+    }
+}
+
 /// E0603 for a value that is computed.
 pub fn derived(path: &str, entry: &Entry) -> Option<Diagnostic> {
     let (_, from) = DERIVED.iter().find(|(derived, _)| *derived == path)?;
     let error = Diagnostic::error("E0603", format!("`{path}` cannot be set"));
-    Some(error.at(entry.key, format!("it follows from {from}")).help("remove it"))
+    Some(error.at(entry.key, format!("computed from {from}")).help("remove it"))
 }
 
 /// The list that a path leads through, and the path for any element of it: `links` and `links.*.joint`.

@@ -293,7 +293,7 @@ impl<'a> Decoder<'a> {
     /// The table of a node that has these keys, or E0103.
     fn expect_table<'n>(&mut self, node: &'n Node, path: &str, params: &[Param]) -> Option<&'n Map> {
         if node.table().is_none() {
-            let error = Diagnostic::error("E0103", format!("`{path}` is a table, found {}", node.describe()));
+            let message = format!("`{path}` must be a table, found {}", node.describe());
             let required = params.iter().filter(|param| matches!(param.presence, Presence::Required));
             let keys: Vec<String> =
                 required.map(|param| format!("{} = {}", param.name, choice::example(&param.ty))).collect();
@@ -301,7 +301,13 @@ impl<'a> Decoder<'a> {
                 true => format!("write a table: `{path} = {{ {} }}`", keys.join(", ")),
                 false => format!("write a table: `[{path}]`"),
             };
-            self.sink.emit(error.at(node.span, "not a table").help(help));
+            let error = Diagnostic::error("E0103", message).at(node.span, "not a table").help(help);
+            // A term that is switched on or off like a flag.
+            self.sink.emit(match (&node.item, path.contains('.')) {
+                (Item::Flag(true), true) => error.fix(node.span, "{}"),
+                (Item::Flag(false), true) => error.fix(node.span, "{ enabled = false }"),
+                _ => error,
+            });
             self.poisoned.insert(path.to_owned());
         }
         node.table()
@@ -325,7 +331,7 @@ fn wrong_length(length: Length, found: usize, (item, node): (&Ty, &Node), param:
     let form = |names: &[&str]| format!("write `{} = [{}]`", param.name, names.join(", "));
     let help = match length {
         Length::Some => {
-            format!("write one at least, for example `{} = [{}]`", param.name, choice::example(item))
+            format!("write at least one, for example `{} = [{}]`", param.name, choice::example(item))
         }
         Length::Each(names) => form(names),
         Length::OneOrEach(names) => format!("{}, or one number for all", form(names)),

@@ -7,10 +7,13 @@ use crate::quantity::{self, Dimension};
 use crate::spec::bounds::{self, Flaw};
 use crate::spec::suggest::{listed, nearest};
 use crate::spec::{Param, Quantity, Sampler, Value};
-use crate::syntax::{Item, Node};
+use crate::syntax::{Item, Map, Node};
 
 /// Decodes a sampler of a dimension. A plain value stays a quantity, with its author's text.
 pub fn decode(dimension: Dimension, node: &Node, param: &Param) -> Result<Value, Diagnostic> {
+    if let Item::List(items) = &node.item {
+        return Err(without_distribution(items, dimension, node, param));
+    }
     let Item::Table(map) = &node.item else {
         let quantity = scalar::quantity(dimension, node, param)?;
         positive_scale(quantity.si, node, param)?;
@@ -20,6 +23,9 @@ pub fn decode(dimension: Dimension, node: &Node, param: &Param) -> Result<Value,
     if let Some((word, entry)) = map.entries.iter().find(|(word, _)| !Sampler::WORDS.contains(&word.as_str()))
     {
         let error = Diagnostic::error("E0102", format!("unknown distribution `{word}`")).at(entry.key, "");
+        if let Some(written) = in_other_words(map).filter(|_| is_inline(map, node)) {
+            return Err(error.help(format!("write `{written}`")).fix(node.span, written));
+        }
         return Err(match nearest(word, Sampler::WORDS.iter().copied()) {
             Some(name) => error.help(format!("did you mean `{name}`?")).fix(entry.key, name),
             None => error.help(format!("the distributions are {}", listed(Sampler::WORDS.iter().copied()))),
@@ -43,6 +49,46 @@ pub fn decode(dimension: Dimension, node: &Node, param: &Param) -> Result<Value,
     };
     check(&sampler, dimension, &entry.node, param)?;
     Ok(Value::Sampler(sampler))
+}
+
+/// E0103 for a list without the name of a distribution. Two numbers are the ends of a range.
+fn without_distribution(items: &[Node], dimension: Dimension, node: &Node, param: &Param) -> Diagnostic {
+    let message = format!("`{}` takes {} or a distribution, found a list", param.name, dimension.name());
+    let error = Diagnostic::error("E0103", message).at(node.span, "which distribution?");
+    let list = node.toml();
+    match items.len() {
+        2 => {
+            let written = format!("{{ uniform = {list} }}");
+            error.help(format!("write `{} = {written}`", param.name)).fix(node.span, written)
+        }
+        _ => {
+            error.help(format!("to draw one of these values, write `{} = {{ choice = {list} }}`", param.name))
+        }
+    }
+}
+
+/// The distribution that two parameters mean in the words of other libraries: `{ min = 0.5, max = 1.25 }`.
+fn in_other_words(map: &Map) -> Option<String> {
+    const WORDS: [(&str, &str, &str); 6] = [
+        ("min", "max", "uniform"),
+        ("low", "high", "uniform"),
+        ("lower", "upper", "uniform"),
+        ("from", "to", "uniform"),
+        ("mean", "std", "normal"),
+        ("mu", "sigma", "normal"),
+    ];
+    let of = |(first, second, word): &(&str, &str, &str)| {
+        Some(format!("{{ {word} = [{}, {}] }}", map.get(first)?.toml(), map.get(second)?.toml()))
+    };
+    WORDS.iter().find_map(of).filter(|_| map.entries.len() == 2)
+}
+
+/// Whether a table is written in braces, so that it can be replaced where it stands.
+fn is_inline(map: &Map, node: &Node) -> bool {
+    let table = node.span;
+    map.entries.values().all(|entry| {
+        table.source == entry.key.source && table.start < entry.key.start && entry.key.end < table.end
+    })
 }
 
 /// The numbers of a distribution: two, or any number for a choice.
@@ -88,7 +134,7 @@ fn check(sampler: &Sampler, dimension: Dimension, node: &Node, param: &Param) ->
         Some(Flaw::NegativeDeviation) => {
             return empty(
                 format!("the standard deviation of `{}` is negative", param.name),
-                "the second number",
+                "negative standard deviation",
                 "write zero or more",
             );
         }
@@ -115,8 +161,8 @@ fn check(sampler: &Sampler, dimension: Dimension, node: &Node, param: &Param) ->
         true => {
             let [low, high] = bounds.map(|bound| quantity::print(bound, dimension));
             error.help(format!(
-                "3 standard deviations about the mean reach from {low} to {high}: write a smaller one, or \
-                 `uniform`"
+                "three standard deviations around the mean reach from {low} to {high}: lower the standard \
+                 deviation, or use `uniform`"
             ))
         }
         false => error,
@@ -130,5 +176,5 @@ fn positive_scale(low: f64, node: &Node, param: &Param) -> Result<(), Diagnostic
     }
     let error = Diagnostic::error("E0211", "a scale must be positive")
         .at(node.span, format!("{} is not above zero", quantity::number(low)));
-    Err(error.help("a scale multiplies the nominal value: 1 leaves it as it is"))
+    Err(error.help("a scale multiplies the nominal value, so 1 has no effect"))
 }

@@ -42,7 +42,8 @@ fn wrong_type(ty: &Ty, node: &Node, param: &Param) -> Diagnostic {
         Ty::Number => !matches!(text.as_str(), "true" | "false"),
         _ => false,
     });
-    match unquoted {
+    let flag = flag_of(node).filter(|_| matches!(ty, Ty::Flag)).map(str::to_owned);
+    match unquoted.or(flag) {
         Some(text) => error.help(format!("write `{} = {text}`", param.name)).fix(node.span, text),
         None => error.help(format!("write for example `{} = {}`", param.name, example_of(ty, param))),
     }
@@ -59,16 +60,30 @@ fn example_of(ty: &Ty, param: &Param) -> String {
     }
 }
 
+/// `true` or `false`, for a word or a number that stands for it in other formats: `yes`, `off`, `1`.
+pub fn flag_of(node: &Node) -> Option<&'static str> {
+    let word = match &node.item {
+        Item::Text(text) => text.trim().to_ascii_lowercase(),
+        Item::Number(number) => number.text.clone(),
+        _ => return None,
+    };
+    match word.as_str() {
+        "true" | "yes" | "on" | "1" => Some("true"),
+        "false" | "no" | "off" | "0" => Some("false"),
+        _ => None,
+    }
+}
+
 /// A word of a list.
 fn word(words: &[&'static str], text: &str, node: &Node, param: &Param) -> Result<Value, Diagnostic> {
     if words.contains(&text) {
         return Ok(Value::Text(text.to_owned()));
     }
     let message = format!("`{}` takes {}, found `{text}`", param.name, alternatives(words));
-    let error = Diagnostic::error("E0106", message).at(node.span, "not one of these words");
+    let error = Diagnostic::error("E0106", message).at(node.span, "invalid choice");
     Err(match nearest(text, words.iter().copied()) {
         Some(name) => error.help(format!("did you mean `{name}`?")).fix(node.span, format!("\"{name}\"")),
-        None => error.help(format!("the words are {}", listed(words.iter().copied()))),
+        None => error.help(format!("the valid words are {}", listed(words.iter().copied()))),
     })
 }
 
@@ -84,19 +99,43 @@ fn count(ty: &Ty, node: &Node, param: &Param) -> Result<Value, Diagnostic> {
         Item::Text(text) => quantity::count(text),
         _ => return Err(wrong_type(ty, node, param)),
     };
-    let (code, message) = match whole {
+    let (code, message, written) = match whole {
         Ok(whole) => {
             in_range(whole as f64, Dimension::NONE, node, param)?;
             return Ok(Value::Count(whole));
         }
         Err(CountError::OutOfRange(value)) => return Err(uncountable(value, node, param)),
-        Err(CountError::Suffix(suffix)) => ("E0202", format!("unknown count suffix `{suffix}`")),
+        Err(CountError::Suffix(suffix)) => {
+            let known = ["k", "M", "G"].into_iter().find(|known| known.eq_ignore_ascii_case(&suffix));
+            let written = known.zip(node.text()).map(|(known, text)| {
+                format!("\"{} {known}\"", text.trim().trim_end_matches(suffix.as_str()).trim_end())
+            });
+            ("E0202", format!("unknown count suffix `{suffix}`"), written)
+        }
         Err(CountError::NotWhole) => {
-            ("E0103", format!("`{}` takes a whole number, found {}", param.name, node.toml()))
+            let message = format!("`{}` takes a whole number, found {}", param.name, node.toml());
+            ("E0103", message, without_fraction(node).filter(|_| holds_count(node, param)))
         }
     };
     let error = Diagnostic::error(code, message).at(node.span, "");
+    let error = match written {
+        Some(written) => {
+            return Err(error.help(format!("write `{} = {written}`", param.name)).fix(node.span, written));
+        }
+        None => error,
+    };
     Err(error.help("counts are whole numbers such as `16384`, `\"200 k\"` or `\"80 M\"`"))
+}
+
+/// A number such as `2.0` or `1e6` without its point or exponent, if it is a count that fits a double exactly.
+fn without_fraction(node: &Node) -> Option<String> {
+    let Item::Number(number) = &node.item else { return None };
+    let value = number.value;
+    (value.fract() == 0.0 && (0.0..9e15).contains(&value)).then(|| (value as u64).to_string())
+}
+
+fn holds_count(node: &Node, param: &Param) -> bool {
+    matches!(&node.item, Item::Number(number) if bounds::holds(param, number.value))
 }
 
 /// A bare number as a count.
@@ -115,7 +154,7 @@ fn uncountable(value: f64, node: &Node, param: &Param) -> Diagnostic {
         let most = if matches!(node.item, Item::Text(_)) { MOST_COUNTED } else { i64::MAX as u64 };
         let (label, help) = (
             if value < 0.0 { "below the range" } else { "above the range" },
-            format!("it is between 0 and {most}"),
+            format!("it must be between 0 and {most}"),
         );
         return Diagnostic::error("E0204", message).at(node.span, label).help(help);
     };
@@ -169,11 +208,11 @@ fn ratio(reference: &str, node: &Node, param: &Param) -> Result<Value, Diagnosti
         } else {
             (format!("{number} %"), format!("; as a factor, {number} is \"{factor}\""))
         };
-        let error = Diagnostic::error("E0201", "a share needs a percent sign").at(node.span, "no `%`");
-        let help = format!("write \"{written}\" of {reference}{other}");
+        let error = Diagnostic::error("E0201", "missing percent sign").at(node.span, "no `%`");
+        let help = format!("write \"{written}\" (of {reference}){other}");
         error.help(help).fix(node.span, format!("\"{written}\""))
     };
-    let as_share = format!("write it as a share of {reference}, for example \"10 %\"");
+    let as_share = format!("write a percentage of {reference}, for example \"10 %\"");
     match &node.item {
         Item::Text(text) => match quantity::quantity_of(text, Dimension::NONE) {
             Ok(si) => share(si, text),
@@ -181,7 +220,7 @@ fn ratio(reference: &str, node: &Node, param: &Param) -> Result<Value, Diagnosti
                 Err(missing(text.trim(), text.trim().parse().unwrap_or(1.0)))
             }
             Err(QuantityError::Mismatch { range, found, .. }) => {
-                let message = format!("unit mismatch: expected a percentage, found {}", found.name());
+                let message = format!("wrong dimension: expected a percentage, found {}", found.name());
                 let error =
                     Diagnostic::error("E0203", message).at(inside(node, text, range), "not a percentage");
                 Err(error.help(as_share))
@@ -241,7 +280,7 @@ fn explain(
         }
         QuantityError::Mismatch { range, found, expected } => {
             let unit = &text[range.clone()];
-            let message = format!("unit mismatch: expected {}, found {}", expected.name(), found.name());
+            let message = format!("wrong dimension: expected {}, found {}", expected.name(), found.name());
             let error = Diagnostic::error("E0203", message);
             let error = error.at(inside(node, text, range.clone()), format!("`{unit}` is {}", found.name()));
             let number = text[..range.start].trim();
@@ -285,7 +324,10 @@ pub fn in_range(si: f64, dimension: Dimension, node: &Node, param: &Param) -> Re
             .and_then(|text| Some(text.strip_suffix("rad")?.trim_end()))
             .filter(|number| number.parse::<f64>().is_ok())
         {
-            Some(number) => error.help(format!("are degrees meant? `\"{number} deg\"`")),
+            Some(number) => {
+                let written = format!("\"{number} deg\"");
+                error.help(format!("for degrees, write `{written}`")).fix(node.span, written)
+            }
             None => error,
         },
     )

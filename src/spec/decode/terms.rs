@@ -1,10 +1,10 @@
 //! Named terms: tables that are of the kind of their name unless they say otherwise, and that can be switched
 //! off.
 
-use super::{Decoder, Registry};
+use super::{Decoder, Registry, scalar};
 use crate::diag::{Diagnostic, Span};
 use crate::spec::marks::below;
-use crate::spec::suggest::nearest;
+use crate::spec::suggest::{nearest, safe_name};
 use crate::spec::{Table, Value};
 use crate::syntax::{Entry, Item, Map, Node};
 
@@ -23,36 +23,38 @@ impl Decoder<'_> {
     /// Decodes named terms. Terms that are switched off, and terms that failed, are left out.
     pub fn terms(&mut self, node: &Node, registry: &Registry<'_>, path: &str) -> Option<Table> {
         let Some(map) = node.table() else {
-            let message = format!("`{path}` is a table of named terms, found {}", node.describe());
+            let message = format!("`{path}` must be a table of named terms, found {}", node.describe());
             self.sink.emit(Diagnostic::error("E0103", message).at(node.span, "not a table"));
             return None;
         };
         let mut terms = Table::new();
         if let Some(entry) = map.entries.values().nth(MOST) {
             let error = Diagnostic::error("E0009", format!("`{path}` has more than {MOST} terms"));
-            self.sink.emit(error.at(entry.key, "one too many").help("remove terms: a task has some ten"));
+            self.sink.emit(error.at(entry.key, "one too many").help("remove terms"));
         }
         let section = path;
         for (name, entry) in map.entries.iter().take(MOST) {
             let path = below(section, name);
             self.mark(&path, entry.key, &entry.node);
             if !is_name(name) {
-                let error = Diagnostic::error(
-                    "E0107",
-                    format!("`{name}` is no name: the {} is called by it", registry.noun),
-                );
-                self.sink.emit(
-                    error.at(entry.key, "not a name").help("use the letters a to z, digits, `_` and `-`"),
-                );
+                let message = format!("invalid name `{name}` of a table in `[{section}]`");
+                let error = Diagnostic::error("E0107", message).at(entry.key, "invalid name");
+                let error = error.help("use letters, digits, `_` and `-`");
+                let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-');
+                let safe = safe_name(name, allowed).filter(|safe| !map.entries.contains_key(safe));
+                self.sink.emit(match safe {
+                    Some(safe) => error.fix(entry.key, safe),
+                    None => error,
+                });
                 self.poisoned.insert(path);
                 continue;
             }
             if name == "enabled" && entry.node.table().is_none() {
                 let message =
-                    format!("each {} has a switch of its own, and the section has none", registry.noun);
+                    format!("`[{section}]` cannot be switched off as a whole, only each {}", registry.noun);
                 let error = Diagnostic::error("E0103", message).at(entry.key, "not a table");
                 self.sink.emit(
-                    error.help(format!("switch them off one by one: `{}.NAME.enabled = false`", section)),
+                    error.help(format!("switch off each term with `{}.NAME.enabled = false`", section)),
                 );
                 self.poisoned.insert(path);
                 continue;
@@ -80,7 +82,11 @@ impl Decoder<'_> {
             Some((Item::Flag(enabled), _)) => Some(*enabled),
             Some((_, node)) => {
                 let message = format!("`enabled` takes `true` or `false`, found {}", node.describe());
-                self.sink.emit(Diagnostic::error("E0103", message).at(node.span, "wrong type"));
+                let error = Diagnostic::error("E0103", message).at(node.span, "wrong type");
+                self.sink.emit(match scalar::flag_of(node) {
+                    Some(flag) => error.help(format!("write `enabled = {flag}`")).fix(node.span, flag),
+                    None => error,
+                });
                 self.poisoned.insert(path.to_owned());
                 None
             }

@@ -136,7 +136,7 @@ fn units_that_are_missing_unknown_or_wrong_are_told_apart() {
     assert_eq!((diagnostic.code, place.as_str()), ("E0203", "ms/rad"));
     let (diagnostic, place) = mistake("joints.knee = \"0.8 rad/s\"");
     assert_eq!((diagnostic.code, place.as_str()), ("E0203", "rad/s"));
-    assert_eq!(diagnostic.message, "unit mismatch: expected an angle, found an angular velocity");
+    assert_eq!(diagnostic.message, "wrong dimension: expected an angle, found an angular velocity");
     assert_eq!(diagnostic.labels[0].text, "`rad/s` is an angular velocity");
     assert_eq!(mistake("std = \"3 N\"").0.code, "E0203");
 }
@@ -194,7 +194,7 @@ fn lists_have_as_many_items_as_their_key_asks_for() {
     );
     let or_one = "write `angles = [roll, pitch, yaw]`, or one number for all";
     assert_eq!(help("angles = [1, 2]"), said("`angles` takes a list of 1 or 3, found 2", or_one));
-    let one = "write one at least, for example `speeds = [1]`";
+    let one = "write at least one, for example `speeds = [1]`";
     assert_eq!(help("speeds = []"), said("`speeds` takes a list of 1 or more, found none", one));
     for line in ["ends = [1, 2]", "angles = [1]", "angles = [1, 2, 3]", "speeds = [1, 2, 3, 4]"] {
         assert!(decoded(&format!("rate = \"1 Hz\"\n{line}")).is_ok(), "{line}");
@@ -205,8 +205,7 @@ fn lists_have_as_many_items_as_their_key_asks_for() {
 fn a_normal_distribution_stays_within_the_bounds_to_three_deviations() {
     let (diagnostic, place) = mistake("mass = { normal = [\"3 kg\", \"2 kg\"] }");
     assert_eq!((diagnostic.code, place.as_str()), ("E0204", "[\"3 kg\", \"2 kg\"]"));
-    let help =
-        "3 standard deviations about the mean reach from -3 kg to 9 kg: write a smaller one, or `uniform`";
+    let help = "three standard deviations around the mean reach from -3 kg to 9 kg: lower the standard deviation, or use `uniform`";
     assert_eq!(diagnostic.help.last().map(String::as_str), Some(help));
     assert_eq!(mistake("scale = { normal = [1.0, 0.5] }").0.code, "E0211");
     assert!(
@@ -235,7 +234,7 @@ fn unknown_keys_get_a_suggestion_or_the_list() {
     assert_eq!(fixed("dealy = \"4 ms\""), ("E0102", "delay".to_owned()));
     let (diagnostic, place) = mistake("policy.gravity = 1");
     assert_eq!((diagnostic.code, place.as_str()), ("E0102", "gravity"));
-    assert_eq!(diagnostic.help, ["the keys here are `activation` and `hidden`"]);
+    assert_eq!(diagnostic.help, ["the valid keys are `activation` and `hidden`"]);
 }
 
 #[test]

@@ -33,8 +33,7 @@ impl Axis {
         };
         let plain = name.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '-')) && !name.is_empty();
         if !plain {
-            let error =
-                Diagnostic::error("E0107", format!("`{name}` cannot name an axis: arms are called by it"));
+            let error = Diagnostic::error("E0107", format!("invalid axis name `{name}`"));
             sink.emit(error.at(entry.key, "").help("use letters, digits, `_` and `-`"));
             return None;
         }
@@ -46,7 +45,7 @@ impl Axis {
         };
         if count > MOST {
             let error = Diagnostic::error("E0204", format!("the axis `{name}` has {count} points"));
-            sink.emit(error.at(entry.key, format!("at most {MOST}")).help("make several suites of it"));
+            sink.emit(error.at(entry.key, format!("at most {MOST}")).help("split the suite"));
             return None;
         }
         let (path, points) =
@@ -162,8 +161,8 @@ fn path(node: &Node, sink: &mut Sink) -> Option<Vec<(String, Span)>> {
         !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'))
     };
     if !text.split('.').all(plain) {
-        let error = Diagnostic::error("E0604", format!("`{text}` is no path")).at(node.span, "");
-        sink.emit(error.help("a path is keys joined by points: `action.stiffness`"));
+        let error = Diagnostic::error("E0604", format!("invalid path `{text}`")).at(node.span, "");
+        sink.emit(error.help("join keys by dots: `action.stiffness`"));
         return None;
     }
     // The opening quote stands before the first key.

@@ -64,13 +64,17 @@ fn policy(node: &Node, sink: &mut Sink) -> Option<ClaimPolicy> {
         found => {
             let error = match found {
                 Some(word) => {
-                    Diagnostic::error("E0106", format!("`claims` is `report` or `count`, not `{word}`"))
-                        .at(node.span, "")
+                    let message = format!("`claims` takes `report` or `count`, found `{word}`");
+                    let error = Diagnostic::error("E0106", message).at(node.span, "invalid choice");
+                    match nearest(word, ["report", "count"]) {
+                        Some(near) => error.fix(node.span, format!("\"{near}\"")),
+                        None => error,
+                    }
                 }
                 None => wrong_type("claims", "`\"report\"` or `\"count\"`", node),
             };
             sink.emit(error.help(
-                "`\"count\"` ends a run with exit code 5 when a claim fails, `\"report\"` only says so",
+                "`\"count\"` makes a failed claim end the run with exit code 5; `\"report\"` only reports it",
             ));
             None
         }
@@ -138,7 +142,11 @@ fn unknown_keys(body: &mut Map, vocabulary: &Vocabulary, sink: &mut Sink) {
                 error.help(format!("write it in `[sweep]`: `sweep.{key}`"))
             }
             Some(near) => error.help(format!("did you mean `{near}`?")).fix(entry.key, near),
-            None => error.help(format!("beside sections, a suite has {}", listed(OWN.iter().copied()))),
+            None => error.help(format!(
+                "apart from sections, a suite has the keys \
+                 {}",
+                listed(OWN.iter().copied())
+            )),
         });
         false
     });

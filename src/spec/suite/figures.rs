@@ -83,12 +83,12 @@ pub(super) fn known(node: &Node, sink: &mut Sink) -> Option<(Wanted, Span)> {
         _ => return Some((wanted, node.span)),
     };
     let what = match takes {
-        About::Nothing => "is about nothing in particular",
-        About::Training => "is about one training at most",
-        About::Metric => "is about one metric",
-        About::MetricOrNothing => "is about one metric at most",
-        About::Stage => "is about one evaluation at most",
-        About::TwoStages => "is about two evaluations",
+        About::Nothing => "takes no argument",
+        About::Training => "takes at most one training",
+        About::Metric => "needs one metric",
+        About::MetricOrNothing => "takes at most one metric",
+        About::Stage => "takes at most one evaluation",
+        About::TwoStages => "takes two evaluations",
     };
     sink.emit(Diagnostic::error("E0103", format!("the figure `{name}` {what}")).at(node.span, "").help(cure));
     None

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::body::{Parts, split};
 use super::figures::{self, Wanted};
 use super::product::{Cell, arm_name};
-use super::sweep::SEED_PATH;
+use super::sweep::{Grasp, SEED_PATH};
 use super::{Arm, Point, Suite, Sweep};
 use crate::diag::{Diagnostic, Sink, Sources, Span};
 use crate::spec::decode::Decoder;
@@ -70,13 +70,24 @@ fn suite(path: &Path, loading: &mut Loading<'_>) -> Option<(Suite, Vec<LoadedArm
         Some(entry) => Sweep::decode(entry, seeds.or(parts.profile_seeds.as_ref()), &mut loading.sink),
         None => {
             let error =
-                Diagnostic::error("E0101", "missing section `sweep`").at(place, "a suite multiplies specs");
+                Diagnostic::error("E0101", "missing section `sweep`").at(place, "a suite needs a sweep");
             loading.sink.emit(error.help("add `[sweep]` with `seeds = 3` or an axis"));
-            None
+            Sweep::missing(place)
         }
-    }?;
+    };
     let of_arms = sweep.leaves_alone(of_arms, &mut loading.sink);
-    let cells = sweep.cells(&mut loading.sink);
+    // With a mistake in the sweep, an empty one follows from it.
+    let mut unheard = Sink::default();
+    let certain = sweep.grasp == Grasp::Full;
+    let cells = sweep.cells(if certain { &mut loading.sink } else { &mut unheard });
+    let (sweep, cells) = match cells.is_empty() {
+        true => {
+            let all = sweep.unrestricted();
+            let cells = all.cells(&mut unheard);
+            (all, cells)
+        }
+        false => (sweep, cells),
+    };
     let mut bases = Bases { path, parts: &parts, known: BTreeMap::new() };
     let profiles = bases.all(&sweep, &cells, loading);
     once(&profiles, &mut loading.sink);
@@ -162,8 +173,13 @@ fn report(parts: &Parts, set: Option<&Entry>, (suite, loading): (&Path, &mut Loa
     }
     let compare = own.node.table_mut().and_then(|map| map.entries.remove("compare"));
     if let Some(entry) = compare {
-        let error = Diagnostic::error("E0102", "`compare` in the report of a suite").at(entry.key, "");
-        loading.sink.emit(error.help("the arms are what the sweep makes: add a point with `extends`"));
+        let error = Diagnostic::error(
+            "E0102",
+            "`report.compare` is not supported in a \
+             suite",
+        )
+        .at(entry.key, "");
+        loading.sink.emit(error.help("a suite compares its arms: add a point with `extends`"));
     }
     let named = own.node.table().is_some_and(|map| map.get("template").is_some());
     let mut table = Decoder::new(&mut loading.sink)
@@ -252,9 +268,10 @@ impl Bases<'_> {
     fn merged(&self, sweep: &Sweep, cell: &Cell, loading: &mut Loading<'_>) -> Option<Merged> {
         let parents = self.extended(sweep, cell);
         let sections = |key: &String| !matches!(key.as_str(), "profile" | "allow");
-        if parents.is_empty() && !self.parts.member.body.entries.keys().any(sections) {
+        let may_extend = sweep.grasp == Grasp::Part;
+        if parents.is_empty() && !may_extend && !self.parts.member.body.entries.keys().any(sections) {
             let arm = arm_name(&sweep.named(&cell.points), "this suite");
-            let error = Diagnostic::error("E0101", format!("`{arm}` has no spec to begin with"));
+            let error = Diagnostic::error("E0101", format!("the arm `{arm}` has no spec"));
             let place = points(sweep, cell).next().map_or(sweep.place, |(_, point)| point.place);
             loading.sink.emit(
                 error
@@ -264,7 +281,7 @@ impl Bases<'_> {
             return None;
         }
         let mut family = Family::of_parents(self.path, &parents, &mut loading.desk());
-        family.incomplete |= self.parts.member.header.lost_parent;
+        family.incomplete |= self.parts.member.header.lost_parent || sweep.grasp == Grasp::Part;
         // A suite has one report; those of its specs are for running them alone.
         for member in &mut family.members {
             if member.body.entries.contains_key("report") {

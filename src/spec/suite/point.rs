@@ -26,21 +26,21 @@ impl Point {
         let mut node = entry.node.clone();
         node.stamp(Layer::Point);
         let Item::Table(mut assigns) = node.item else {
-            let advice = match entry.node.text() {
+            let error = wrong_type(name, "a table of assignments", &entry.node);
+            sink.emit(match entry.node.text() {
                 Some(text) if text.ends_with(".toml") => {
-                    format!("write `{name} = {{ extends = \"{text}\" }}`")
+                    let written = format!("{{ extends = {} }}", entry.node.toml());
+                    error.help(format!("write `{name} = {written}`")).fix(entry.node.span, written)
                 }
-                _ => format!(
+                _ => error.help(format!(
                     "write `{name} = {{ KEY = VALUE }}`, or `path` and `values` for an axis of one key"
-                ),
-            };
-            sink.emit(wrong_type(name, "a table of assignments", &entry.node).help(advice));
+                )),
+            });
             return None;
         };
         if name.is_empty() || name.chars().any(|c| matches!(c, ',' | '=' | '/') || c.is_control()) {
-            let error =
-                Diagnostic::error("E0107", format!("`{name}` cannot name a point: arms are called by it"));
-            sink.emit(error.at(entry.key, "").help("leave out `,`, `=` and `/`"));
+            let error = Diagnostic::error("E0107", format!("invalid point name `{name}`"));
+            sink.emit(error.at(entry.key, "").help("avoid `,`, `=` and `/`"));
             return None;
         }
         let (parents, wrong) = extends(assigns.entries.remove("extends").map(|entry| entry.node));
@@ -61,7 +61,7 @@ impl Point {
         node.stamp(Layer::Point);
         let Item::Table(assigns) = node.item else { return None };
         if name.is_empty() || name.chars().any(char::is_control) {
-            let error = Diagnostic::error("E0107", "this value cannot name a point: arms are called by it");
+            let error = Diagnostic::error("E0107", "this value cannot be the name of a point");
             sink.emit(
                 error.at(value.span, "").help("give the points names: `[sweep.AXIS]` with a table for each"),
             );

@@ -23,7 +23,7 @@ impl Sweep {
         // Counted before anything is made of them.
         if count.is_none_or(|count| count > MOST) {
             let error = Diagnostic::error("E0204", format!("the sweep has more than {MOST} combinations"));
-            sink.emit(error.at(self.place, "all its axes multiplied").help("make several suites of it"));
+            sink.emit(error.at(self.place, "all its axes multiplied").help("split the suite"));
             return Vec::new();
         }
         let mut all: Vec<Vec<usize>> = vec![vec![0; self.axes.len()]];
@@ -40,7 +40,7 @@ impl Sweep {
         if all.is_empty() {
             let error =
                 Diagnostic::error("E0703", "the sweep is empty").at(self.place, "no combination is left");
-            sink.emit(error.help("`include` and `exclude` leave nothing: loosen one of them"));
+            sink.emit(error.help("relax `include` or `exclude`"));
         }
         let seeds = self.seeds.as_ref().map_or(1, Vec::len);
         if all.len() * seeds > MOST {

@@ -35,7 +35,7 @@ pub fn decode(node: &Node, sink: &mut Sink) -> Option<Vec<Seed>> {
         }
         Item::List(items) if items.len() as i64 > MOST => {
             let error = Diagnostic::error("E0204", format!("`sweep.seeds` has {} seeds", items.len()));
-            sink.emit(error.at(node.span, format!("at most {MOST}")).help("make several suites of it"));
+            sink.emit(error.at(node.span, format!("at most {MOST}")).help("split the suite"));
             None
         }
         Item::List(items) => list(items, sink),
@@ -49,7 +49,7 @@ pub fn decode(node: &Node, sink: &mut Sink) -> Option<Vec<Seed>> {
 
 fn empty(place: Span) -> Diagnostic {
     let error =
-        Diagnostic::error("E0703", "the sweep has no seeds").at(place, "every arm needs one at least");
+        Diagnostic::error("E0703", "the sweep has no seeds").at(place, "at least one seed is required");
     error.help("write `seeds = 1`, or leave `seeds` out for the seed of each spec")
 }
 
@@ -64,9 +64,9 @@ fn list(items: &[Node], sink: &mut Sink) -> Option<Vec<Seed>> {
         };
         let seed = seed as u64;
         if let Some((_, first)) = seeds.iter().find(|(known, _)| *known == seed) {
-            let error = Diagnostic::error("E0705", format!("the learning seed {seed} is given twice"));
+            let error = Diagnostic::error("E0705", format!("duplicate learning seed {seed}"));
             let error = error.at(item.span, "again here").note(*first, "first here");
-            sink.emit(error.help("the same seed twice is one run, not two samples: give another seed"));
+            sink.emit(error.help("use another seed: a repeated seed gives the same run"));
             sound = false;
         }
         seeds.push((seed, item.span));

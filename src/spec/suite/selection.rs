@@ -54,7 +54,7 @@ impl Pattern {
         if rest.entries.is_empty() {
             let error =
                 Diagnostic::error("E0703", "this pattern names seeds and no axis, so every arm matches it");
-            sink.emit(error.at(place, "").help("name a point, or take the seeds out of `sweep.seeds`"));
+            sink.emit(error.at(place, "").help("name a point, or remove the seeds from `sweep.seeds`"));
             return None;
         }
         Some(Self { seeds, ..Self::decode(&rest, place, axes, sink)? })

@@ -37,14 +37,45 @@ pub struct Sweep {
     pub exclude: Vec<Pattern>,
     /// The learning seeds of every arm; absent when each arm has its spec's own.
     pub seeds: Option<Vec<Seed>>,
+    /// What could be understood of it.
+    pub grasp: Grasp,
+}
+
+/// How much of a sweep could be understood. Its arms are exact only if all of it was; otherwise they serve to
+/// find the mistakes that do not depend on the missing part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Grasp {
+    /// All of it.
+    Full,
+    /// All axes, but not which combinations and seeds are selected.
+    Axes,
+    /// Some axes are missing, so that arms lack the keys that those assign.
+    Part,
 }
 
 impl Sweep {
-    /// Decodes the table. `seeds` stands above it: those of a profile or of the command line.
-    pub fn decode(entry: &Entry, seeds: Option<&Node>, sink: &mut Sink) -> Option<Self> {
+    /// The sweep of a suite without a valid `[sweep]`: one arm, the suite's own sections.
+    pub fn missing(place: Span) -> Self {
+        let (axes, zips, include, exclude) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { place, axes, zips, include, exclude, seeds: None, grasp: Grasp::Part }
+    }
+
+    /// The same with all combinations of its axes.
+    pub fn unrestricted(&self) -> Self {
+        Self {
+            include: Vec::new(),
+            exclude: Vec::new(),
+            grasp: self.grasp.without_selection(),
+            ..self.clone()
+        }
+    }
+
+    /// Decodes the table. `seeds` stands above it: those of a profile or of the command line. What has mistakes
+    /// is left out, which `grasp` says.
+    pub fn decode(entry: &Entry, seeds: Option<&Node>, sink: &mut Sink) -> Self {
         let Some(map) = entry.node.table() else {
             sink.emit(wrong_type("sweep", "a table", &entry.node));
-            return None;
+            return Self::missing(entry.key);
         };
         let mut entries: Vec<(&String, &Entry)> = map.entries.iter().collect();
         entries.sort_by_key(|(_, entry)| entry.key.start);
@@ -52,22 +83,31 @@ impl Sweep {
         let axes: Vec<(&String, &Entry)> = axes.collect();
         if let Some((_, entry)) = axes.get(MOST_AXES) {
             let error = Diagnostic::error("E0009", format!("the sweep has more than {MOST_AXES} axes"));
-            sink.emit(error.at(entry.key, "one too many").help("make several suites of it"));
-            return None;
+            sink.emit(error.at(entry.key, "one too many").help("split the suite"));
+            return Self::missing(entry.key);
         }
         let axes: Vec<Option<Axis>> =
             axes.into_iter().map(|(name, entry)| Axis::decode(name, entry, sink)).collect();
         let own = map.get("seeds").map(|node| seeds::decode(node, sink));
         let seeds = seeds.map(|node| seeds::decode(node, sink)).or(own);
-        // What names axes is looked at only when all of them are known.
-        let axes: Vec<Axis> = axes.into_iter().collect::<Option<_>>()?;
-        let zips = map.get("zip").map_or(Some(Vec::new()), |node| zips(node, &axes, sink));
-        let include = patterns(map, "include", &axes, sink);
-        let exclude = patterns(map, "exclude", &axes, sink);
-        let seeds = seeds.map_or(Some(None), |decoded| decoded.map(Some));
-        let sweep =
-            Self { place: entry.key, axes, zips: zips?, include: include?, exclude: exclude?, seeds: seeds? };
-        sweep.paths_are_set_once(sink).then_some(sweep)
+        let all_known = axes.iter().all(Option::is_some);
+        let axes: Vec<Axis> = axes.into_iter().flatten().collect();
+        let mut sweep = Self { axes, seeds: seeds.clone().flatten(), ..Self::missing(entry.key) };
+        // What names axes is checked only if all of them are known.
+        if !all_known {
+            return sweep;
+        }
+        let zips = map.get("zip").map_or(Some(Vec::new()), |node| zips(node, &sweep.axes, sink));
+        let include = patterns(map, "include", &sweep.axes, sink);
+        let exclude = patterns(map, "exclude", &sweep.axes, sink);
+        let seeds_known = seeds.is_none_or(|seeds| seeds.is_some());
+        let known = [zips.is_some(), include.is_some(), exclude.is_some(), seeds_known];
+        sweep.zips = zips.unwrap_or_default();
+        sweep.include = include.unwrap_or_default();
+        sweep.exclude = exclude.unwrap_or_default();
+        let known = sweep.paths_are_set_once(sink) && !known.contains(&false);
+        sweep.grasp = if known { Grasp::Full } else { Grasp::Axes };
+        sweep
     }
 
     /// E0704: no two axes assign one path, nor a path and one below it.
@@ -120,8 +160,7 @@ impl Sweep {
             let clash = paths(map).into_iter().find_map(|(path, place)| Some((swept(&path)?, path, place)));
             if let Some((axis, path, place)) = &clash {
                 let message = format!("`{path}` is set by the sweep: by its axis `{}`", axis.name);
-                let error =
-                    Diagnostic::error("E0704", message).at(*place, "would be the same at all of its points");
+                let error = Diagnostic::error("E0704", message).at(*place, "would make its points equal");
                 sink.emit(error.note(axis.place, "the axis").help("change the points in the suite"));
             }
             clash.is_none()
@@ -138,6 +177,13 @@ fn overlapping<'a>(path: &str, others: &'a BTreeMap<String, Span>) -> Option<(&'
         let (other, place) = others.range::<String, _>(&below..).next()?;
         other.starts_with(&below).then_some((other, place))
     })
+}
+
+impl Grasp {
+    /// What is left of it without the selected combinations.
+    fn without_selection(self) -> Self {
+        if self == Self::Full { Self::Axes } else { self }
+    }
 }
 
 /// `[[sweep.include]]` and `[[sweep.exclude]]`.
@@ -217,7 +263,7 @@ fn zip(node: &Node, axes: &[Axis], used: &mut Vec<usize>, sink: &mut Sink) -> Op
     }
     let [first, rest @ ..] = group.as_slice() else {
         sink.emit(
-            Diagnostic::error("E0701", "a zip of no axes")
+            Diagnostic::error("E0701", "`zip` names no axes")
                 .at(node.span, "")
                 .help("name two axes, or remove it"),
         );
@@ -229,11 +275,11 @@ fn zip(node: &Node, axes: &[Axis], used: &mut Vec<usize>, sink: &mut Sink) -> Op
         let message =
             format!("`{}` has {} points and `{}` has {}", a.name, count(first), b.name, count(other));
         let error =
-            Diagnostic::error("E0701", message).at(node.span, "these axes go together, point by point");
+            Diagnostic::error("E0701", message).at(node.span, "zipped axes are combined point by point");
         let error = error
             .note(a.place, format!("{} points", count(first)))
             .note(b.place, format!("{} points", count(other)));
-        sink.emit(error.help("give both as many points, or take one out of `zip`"));
+        sink.emit(error.help("give both the same number of points, or remove one from `zip`"));
         return None;
     }
     Some(group)

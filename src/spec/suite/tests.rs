@@ -12,7 +12,10 @@ fn sweep(text: &str) -> Result<Sweep, Vec<&'static str>> {
     let node = parse(&sources, source, &mut sink).expect("the test's TOML is valid");
     let entry = node.table().expect("a document is a table").entries["sweep"].clone();
     let decoded = Sweep::decode(&entry, None, &mut sink);
-    decoded.filter(|_| !sink.has_errors()).ok_or(sink.diagnostics.iter().map(|found| found.code).collect())
+    if sink.has_errors() {
+        return Err(sink.diagnostics.iter().map(|found| found.code).collect());
+    }
+    Ok(decoded)
 }
 
 /// The names of the arms, in order.
