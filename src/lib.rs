@@ -52,4 +52,6 @@ pub mod exec;
 
 pub mod report;
 
+pub mod study;
+
 pub mod cli;

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use serde_json::json;
 
-use super::{Exit, Format, Global, output, records, run};
+use super::{Exit, Format, Global, faults, output, records};
 use crate::escape::terminal::one_line;
 use crate::exec::journal::Journal;
 use crate::exec::line_file::Health;
@@ -63,7 +63,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Action::Import(options) => records::import(options, &store, global),
         Action::List => match listable(&store, global) {
             Ok(()) => list(&store, global),
-            Err(error) => run::complain(global, &error),
+            Err(error) => faults::store(global, &error),
         },
         Action::Verify => verify(&store, global),
         Action::Gc { older_than, scratch, force, dry_run } => {
@@ -75,7 +75,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             let wait = Wait { tell: Some(&tell), ..Wait::default() };
             match gc::waste(&store, &rules, &wait) {
                 Ok(cleaning) => collect(&store, &cleaning, (!dry_run).then_some(&wait), global),
-                Err(error) => run::complain(global, &error),
+                Err(error) => faults::store(global, &error),
             }
         }
     }
@@ -155,7 +155,7 @@ fn verify(store: &Store, global: &Global) -> Exit {
     });
     let (whole, faults) = match found {
         Ok(found) => found,
-        Err(error) => return run::complain(global, &error),
+        Err(error) => return faults::store(global, &error),
     };
     if global.format == Format::Json {
         let damaged = faults
@@ -221,7 +221,7 @@ fn journal(store: &Store, artefacts: usize) -> Result<Option<Fault>, StoreError>
 /// Removes the waste and tells of it; without `removal` it only tells.
 fn collect(store: &Store, cleaning: &gc::Cleaning, removal: Option<&Wait>, global: &Global) -> Exit {
     if let Some(Err(error)) = removal.map(|wait| gc::remove(cleaning, wait)) {
-        return run::complain(global, &error);
+        return faults::store(global, &error);
     }
     let dry_run = removal.is_none();
     let gc::Cleaning { waste, unnamed, leased, .. } = cleaning;

@@ -7,12 +7,13 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::specs::{self, Findings, Told, Variant};
-use super::{Exit, Format, Global, compared, comparison, output, suites};
+use super::{Exit, Format, Global, output};
 use crate::check::{Checked, CheckedSuite, Checker};
 use crate::diag::{Diagnostic, Sink, Sources, Span, render};
 use crate::report;
 use crate::spec::section::Report;
 use crate::spec::{LoadOptions, Section};
+use crate::study::{compared, plan, suite};
 use crate::syntax::Disk;
 
 /// Arguments of `check`.
@@ -121,7 +122,7 @@ impl Examined {
         let compared = compared::findings(&checked, file, options, checker);
         let template = checked.sound().map(|(experiment, _)| Template {
             name: Section::new(&experiment.table).at(Report::template).unwrap_or_default(),
-            project: comparison::project(file, experiment.root.as_deref()),
+            project: plan::project(file, experiment.root.as_deref()),
             named: experiment.marks.get(&Report::template.path()).map(|mark| mark.value),
         });
         let Checked { sources, sink, experiment, .. } = checked;
@@ -135,10 +136,7 @@ impl Examined {
         checked.sink.diagnostics.extend(same);
         let template = checked.sound().map(|(suite, arms)| Template {
             name: Section::new(&suite.report).value(Report::template).unwrap_or_default(),
-            project: comparison::project(
-                file,
-                arms.first().and_then(|arm| arm.arm.experiment.root.as_deref()),
-            ),
+            project: plan::project(file, arms.first().and_then(|arm| arm.arm.experiment.root.as_deref())),
             named: Some(suite.place),
         });
         let CheckedSuite { sources, sink, suite, .. } = checked;
@@ -168,7 +166,7 @@ impl Examined {
     /// The same with what is wrong with its template: that would be found after the training otherwise.
     fn with_template(mut self) -> Self {
         let Some(Template { name, project, named }) = self.template.take() else { return self };
-        let found = report::render::check(&name, &comparison::templates(&project), &mut self.sources);
+        let found = report::render::check(&name, &plan::templates(&project), &mut self.sources);
         self.sink.diagnostics.extend(found.into_iter().map(|diagnostic| match named {
             Some(place) if diagnostic.labels.is_empty() => diagnostic.at(place, "named here"),
             _ => diagnostic,
@@ -189,13 +187,13 @@ fn same_results(
     if options.profile.is_some() || !options.sets.is_empty() {
         return Vec::new();
     }
-    let mut same = suites::same_results(checked);
+    let mut same = suite::same_results(checked);
     for profile in checked.suite.iter().flat_map(|suite| &suite.profiles) {
         if same.is_empty() {
             break;
         }
         let options = LoadOptions { profile: Some(profile.clone()), ..options.clone() };
-        let under = suites::same_results(&checker.suite(&Disk, file, &options));
+        let under = suite::same_results(&checker.suite(&Disk, file, &options));
         same.retain(|found| under.iter().any(|other| other.message == found.message));
     }
     same

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::specs::{self, Findings, Variant};
-use super::{Exit, Format, Global, output, pages, standing};
+use super::{Exit, Format, Global, output, pages};
 use crate::bounded;
 use crate::check;
 use crate::report::index::{FILE, Index, Listed, Standing, mark};
@@ -14,6 +14,7 @@ use crate::report::paths::{self, Paths};
 use crate::report::sidecar::Sidecar;
 use crate::report::{earlier, listing};
 use crate::safe_fs;
+use crate::study::standing;
 
 /// Below this folder the suites are when none are named.
 const SPECS: &str = "specs";
@@ -97,11 +98,22 @@ pub fn read(files: &[PathBuf], folder: &Path, global: &Global) -> Result<(Index,
     index.suites.sort_by(|a, b| a.name.cmp(&b.name));
     index.suites.iter_mut().for_each(|suite| suite.page = page_of(suite, &index.reports));
     for (name, report) in &index.reports {
-        if let Some(standing) = standing::of(report, global)? {
+        if let Some(standing) = standing(report, global)? {
             index.standings.insert(name.clone(), standing);
         }
     }
     Ok((index, contents))
+}
+
+/// Whether a report is of the runs that its own command would make today. Warnings of its specs are printed
+/// when these are checked or run. `Err` is the exit code; everything has been said then.
+fn standing(report: &Sidecar, global: &Global) -> Result<Option<Standing>, Exit> {
+    let quieter = Global { errors_only: true, ..global.clone() };
+    specs::told(|log| standing::of(report, log), &quieter).inspect_err(|_| {
+        let advice = "mend the specs, or delete the record and its page";
+        let message = format!("the report {} was made by `{}`, which fails", report.report, report.command);
+        output::complain(global, &message, Some(advice));
+    })
 }
 
 fn listed(file: &Path, global: &Global) -> Result<Listed, Exit> {

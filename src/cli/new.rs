@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 use serde_json::json;
 
 use super::specs::{self, Findings, Variant};
-use super::{Exit, Format, Global, output, suites};
+use super::{Exit, Format, Global, output};
 use crate::diag::{Severity, Sink, Sources};
 use crate::escape::{self, shell};
 use crate::robot;
@@ -74,7 +74,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
 fn checked(options: &Options, global: &Global) -> Result<(), Exit> {
     let variant = Variant::default();
     match &options.suite {
-        Some(_) => suites::require(&options.file, &variant, global).map(drop),
+        Some(_) => specs::suite(&options.file, &variant, global).map(drop),
         None => specs::require(&options.file, &variant, global).map(drop),
     }
 }

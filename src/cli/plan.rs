@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::source::{self, Source};
-use super::{Exit, Format, Global, output, page_name, power};
+use super::study::{self, Source};
+use super::{Exit, Format, Global, output, power};
 use crate::exec::journal::Past;
 use crate::plan::{render, summary, why};
 use crate::safe_fs;
@@ -26,12 +26,12 @@ pub struct Options {
 
 /// Prints the plan.
 pub fn run(options: &Options, global: &Global) -> Exit {
-    let comparison = match source::read(&options.source, global) {
-        Ok(comparison) => comparison,
+    let study = match study::read(&options.source, global) {
+        Ok(study) => study,
         Err(exit) => return exit,
     };
     if let Some(path) = &options.save {
-        let text = serde_json::to_string(&comparison.plan).expect("a plan is plain data");
+        let text = serde_json::to_string(&study.plan).expect("a plan is plain data");
         if let Err(error) = safe_fs::replace(path, text.as_bytes()) {
             let message = format!("the plan cannot be written: {}: {error}", path.display());
             output::complain(global, &message, Some("name a file in a folder that you may write to"));
@@ -39,16 +39,16 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         }
     }
     if options.power {
-        return power::run(&comparison, global);
+        return power::run(&study, global);
     }
     // The report's stage is the one that `run` would work on.
-    let reports = comparison.reports();
-    let comparison = match page_name::settled(comparison, &reports, global) {
-        Ok(settled) => settled.comparison,
+    let reports = study.reports();
+    let study = match study::settled(study, &reports, global) {
+        Ok(settled) => settled.study,
         Err(exit) => return exit,
     };
-    let plan = &comparison.plan;
-    let store = match comparison.store(global) {
+    let plan = &study.plan;
+    let store = match study::store(&study, global) {
         Ok(store) => store,
         Err(exit) => return exit,
     };

@@ -1,17 +1,17 @@
 //! `specforge plan --power SUITE`: what the tests of a suite's claims can decide, and how many seeds settle
 //! those that are open.
 
-use super::comparison::Comparison;
 use super::{Exit, Format, Global, output};
 use crate::escape::terminal::one_line;
 use crate::plan::{Plan, RunRecord};
 use crate::report::claim::{self, Judged, Planned, PlannedArm};
 use crate::report::sidecar::Sidecar;
 use crate::spec::Table;
+use crate::study::Study;
 
 /// Prints the tests of the claims, and of the page that was rendered last what is open.
-pub fn run(comparison: &Comparison, global: &Global) -> Exit {
-    let Some(suite) = &comparison.plan.suite else {
+pub fn run(study: &Study, global: &Global) -> Exit {
+    let Some(suite) = &study.plan.suite else {
         output::complain(
             global,
             "`--power` is about the claims of a suite",
@@ -19,7 +19,7 @@ pub fn run(comparison: &Comparison, global: &Global) -> Exit {
         );
         return Exit::Usage;
     };
-    let path = Sidecar::path(&comparison.reports(), &suite.name);
+    let path = Sidecar::path(&study.reports(), &suite.name);
     let record =
         Sidecar::read_whole(&path).ok().filter(|record| !record.is_by_earlier_rules()).unwrap_or_default();
     if global.format == Format::Json {
@@ -29,13 +29,13 @@ pub fn run(comparison: &Comparison, global: &Global) -> Exit {
         });
         let answer = serde_json::json!({
             "suite": suite.name,
-            "claims": planned(&comparison.plan),
+            "claims": planned(&study.plan),
             "observed": observed.collect::<Vec<_>>(),
         });
         output::json(&answer);
         return Exit::Ok;
     }
-    let mut text = match table(&comparison.plan) {
+    let mut text = match table(&study.plan) {
         table if table.is_empty() => one_line("the suite has no claims"),
         table => table,
     };

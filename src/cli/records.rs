@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::source::{self, Source};
-use super::{Exit, Format, Global, output, run};
+use super::study::{self, Source};
+use super::{Exit, Format, Global, faults, output};
 use crate::exec::Store;
 use crate::exec::lock::Wait;
 use crate::exec::records::{self, RecordError};
@@ -39,18 +39,18 @@ pub fn export(options: &Export, global: &Global) -> Exit {
         output::complain(global, &message, Some("name a folder: `--to DIR`"));
         return Exit::Usage;
     }
-    let comparison = match source::read(&options.source, global) {
-        Ok(comparison) => comparison,
+    let study = match study::read(&options.source, global) {
+        Ok(study) => study,
         Err(exit) => return exit,
     };
-    let store = match comparison.store(global) {
+    let store = match study::store(&study, global) {
         Ok(store) => store,
         Err(exit) => return exit,
     };
     if let Err(source) = fs::create_dir_all(&options.to) {
         return complain(global, &RecordError::Unwritten { path: options.to.clone(), source });
     }
-    match records::save(&comparison.plan, &store, &comparison.name, &options.to, options.weights) {
+    match records::save(&study.plan, &store, &study.name, &options.to, options.weights) {
         Err(error) => complain(global, &error),
         Ok(saved) => {
             if global.format == Format::Json {
@@ -121,7 +121,7 @@ fn counted(count: usize, what: &str) -> String {
 
 fn complain(global: &Global, error: &RecordError) -> Exit {
     let advice = match error {
-        RecordError::Store(error) => return run::complain(global, error),
+        RecordError::Store(error) => return faults::store(global, error),
         RecordError::Folder { .. } | RecordError::Absent { .. } => {
             "name the folder that `specforge cache export --to DIR` has written"
         }

@@ -4,17 +4,17 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use super::comparison::{self, Comparison};
-use super::page_name::{self, Settled};
-use super::publication::{self, Destination};
-use super::source::{self, Source};
 use super::specs::Variant;
-use super::{Exit, Format, Global, index, output, page, pages, run, works};
+use super::study::{self, Source};
+use super::{Exit, Format, Global, faults, index, output, pages, run};
 use crate::exec::journal::Past;
 use crate::exec::{self, Interrupt, Store, Workshop};
 use crate::plan::why::{self, State};
 use crate::plan::{Fingerprint, StageKind};
 use crate::report::sidecar::{Sidecar, is_result};
+use crate::study::page_name::{Destination, Settled};
+use crate::study::works::works;
+use crate::study::{Study, page, publication};
 
 /// Arguments of `report`.
 #[derive(Debug, clap::Args)]
@@ -49,30 +49,30 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         };
     }
     let source = Source { files: options.files.clone(), variant: options.variant.clone() };
-    let comparison = match source::read(&source, global) {
-        Ok(comparison) => comparison,
+    let study = match study::read(&source, global) {
+        Ok(study) => study,
         Err(exit) => return exit,
     };
-    let folder = match comparison::reports(options.reports.as_deref(), &comparison, global) {
+    let folder = match study::reports(options.reports.as_deref(), &study, global) {
         Ok(folder) => folder,
         Err(exit) => return exit,
     };
-    let Settled { comparison, own, note } = match page_name::settled(comparison, &folder, global) {
+    let Settled { study, own, note } = match study::settled(study, &folder, global) {
         Ok(settled) => settled,
         Err(exit) => return exit,
     };
-    let store = match comparison.store(global) {
+    let store = match study::store(&study, global) {
         Ok(store) => store,
         Err(exit) => return exit,
     };
-    let statuses = why::statuses(&comparison.plan, &Past::of(&store, &comparison.plan));
+    let statuses = why::statuses(&study.plan, &Past::of(&store, &study.plan));
     let absent: BTreeSet<&Fingerprint> =
         statuses.iter().filter(|(_, status)| status.state != State::Cached).map(|(key, _)| key).collect();
-    let missing = missing(&comparison, &absent);
-    let all = comparison.plan.stages().filter(|stage| stage.kind != StageKind::Report).count();
+    let missing = missing(&study, &absent);
+    let all = study.plan.stages().filter(|stage| stage.kind != StageKind::Report).count();
     if !missing.is_empty() {
-        let record = Sidecar::path(&folder, &comparison.name);
-        if let Some((message, advice)) = refusal(&comparison, &absent, &record) {
+        let record = Sidecar::path(&folder, &study.name);
+        if let Some((message, advice)) = refusal(&study, &absent, &record) {
             let message = format!(
                 "{message}: {} of {all} stages are not in the store, {}",
                 missing.len(),
@@ -86,12 +86,12 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         output::note(global, &format!("warning: {lacking} of {all} stages are {absent}: {shown}"));
     }
     output::note(global, &note.unwrap_or_default());
-    execute(&comparison, &store, Destination { folder: &folder, own: &own }, global)
+    execute(&study, &store, Destination { folder: &folder, own: &own }, global)
 }
 
 /// The stages whose results the report will lack.
-fn missing(comparison: &Comparison, absent: &BTreeSet<&Fingerprint>) -> Vec<String> {
-    let plan = &comparison.plan;
+fn missing(study: &Study, absent: &BTreeSet<&Fingerprint>) -> Vec<String> {
+    let plan = &study.plan;
     let lacking =
         plan.stages().filter(|stage| stage.kind != StageKind::Report && absent.contains(&stage.fingerprint));
     lacking.map(|stage| plan.label(stage)).collect()
@@ -108,12 +108,8 @@ fn some(stages: &[String]) -> String {
 
 /// Why a report that lacks something is not written, and the cure: nothing was learned or measured yet, or
 /// the page that is there knows more.
-fn refusal(
-    comparison: &Comparison,
-    absent: &BTreeSet<&Fingerprint>,
-    record: &Path,
-) -> Option<(String, String)> {
-    let there = comparison.plan.stages().filter(|stage| !absent.contains(&stage.fingerprint));
+fn refusal(study: &Study, absent: &BTreeSet<&Fingerprint>, record: &Path) -> Option<(String, String)> {
+    let there = study.plan.stages().filter(|stage| !absent.contains(&stage.fingerprint));
     let there = there.filter(|stage| stage.kind != StageKind::Report).flat_map(|stage| &stage.users);
     let results = there.filter(|user| is_result(&user.stage)).count();
     let again =
@@ -124,27 +120,28 @@ fn refusal(
     page::objection(record, results, again)
 }
 
-fn execute(comparison: &Comparison, store: &Store, destination: Destination, global: &Global) -> Exit {
-    let (works, interrupt) = (works::works(comparison), Interrupt::default());
+fn execute(study: &Study, store: &Store, destination: Destination, global: &Global) -> Exit {
+    let (works, interrupt) = (works(study), Interrupt::default());
     let events = run::audience(global);
-    let plan = &comparison.plan;
+    let plan = &study.plan;
     let selected = plan.stages().filter(|stage| stage.kind == StageKind::Report);
     let selected: BTreeSet<_> = selected.map(|stage| stage.fingerprint.clone()).collect();
     let settings = exec::Options { jobs: 1, keep_going: true, selected, reasons: Default::default() };
     let workshop = Workshop { plan, store, works: &works, events: events.as_ref(), interrupt: &interrupt };
     let outcome = match exec::run(&workshop, &settings) {
         Ok(outcome) => outcome,
-        Err(error) => return run::complain(global, &error),
+        Err(error) => return faults::store(global, &error),
     };
     let Some(artefact) = outcome.report.filter(|_| outcome.failures.is_empty()) else {
         return Exit::StageFailed;
     };
-    let ready = match publication::ready(&artefact, comparison, destination, &workshop, global) {
+    let tell = |text: &str| output::note(global, text);
+    let ready = match publication::ready(&artefact, study, destination, &workshop, &tell) {
         Ok(ready) => ready,
-        Err(exit) => return exit,
+        Err(error) => return faults::unready(&error, global),
     };
     match ready.publisher.publish(&ready.artefact, &ready.name) {
-        Err(error) => run::complain(global, &error),
+        Err(error) => faults::store(global, &error),
         Ok(path) => {
             if global.format == Format::Json {
                 output::data(&serde_json::json!({ "report": path.display().to_string() }).to_string());
@@ -184,29 +181,29 @@ mod tests {
         let arguments = Arguments::try_parse_from(["specforge", "report", spec]).expect("arguments");
         let Command::Report(options) = &arguments.command else { unreachable!("it is a report") };
         let source = Source { files: options.files.clone(), variant: options.variant.clone() };
-        let Ok(comparison) = source::read(&source, &arguments.global) else { panic!("the spec has a plan") };
+        let Ok(study) = study::read(&source, &arguments.global) else { panic!("the spec has a plan") };
         let folder = tempfile::tempdir().expect("a folder");
         let without = |kinds: &[StageKind]| {
-            let absent = comparison.plan.stages().filter(|stage| kinds.contains(&stage.kind));
+            let absent = study.plan.stages().filter(|stage| kinds.contains(&stage.kind));
             absent.map(|stage| &stage.fingerprint).collect::<BTreeSet<_>>()
         };
         let interrupted = without(&[StageKind::Evaluate, StageKind::Export, StageKind::Transfer]);
         let none = folder.path().join("none.json");
-        assert_eq!(refusal(&comparison, &interrupted, &none), None, "a report of what there is");
+        assert_eq!(refusal(&study, &interrupted, &none), None, "a report of what there is");
         let begun = record(folder.path(), &["robot", "env", "learner"]);
-        assert_eq!(refusal(&comparison, &interrupted, &begun), None);
+        assert_eq!(refusal(&study, &interrupted, &begun), None);
         let complete = record(
             folder.path(),
             &["robot", "learner", "evaluate.nominal", "deploy.policy", "deploy.mujoco"],
         );
-        let (message, _) = refusal(&comparison, &interrupted, &complete).expect("a refusal");
+        let (message, _) = refusal(&study, &interrupted, &complete).expect("a refusal");
         assert!(message.contains("page.md has 4 results, and this report would have"), "{message}");
         std::fs::write(&complete, "{").expect("it can be written");
         let (message, advice) =
-            refusal(&comparison, &interrupted, &complete).expect("nobody knows what the page has");
+            refusal(&study, &interrupted, &complete).expect("nobody knows what the page has");
         assert!(message.contains("page.json is not a report's record"), "{message}");
         assert!(advice.contains("delete it and its page"), "{advice}");
         let nothing = &interrupted | &without(&[StageKind::Learner, StageKind::FineTune]);
-        assert!(refusal(&comparison, &nothing, &none).is_some(), "no result at all");
+        assert!(refusal(&study, &nothing, &none).is_some(), "no result at all");
     }
 }

@@ -6,25 +6,26 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::comparison::{self, Comparison};
-use super::page_name::{self, Settled};
-use super::publication::{self, Destination, Ready};
-use super::source::{self, Source};
-use super::{Exit, Format, Global, interruption, output, page, works};
+use super::study::{self, Source};
+use super::{Exit, Format, Global, faults, interruption, output};
 use crate::escape::terminal::{self, one_line};
 use crate::exec::bars::Bars;
 use crate::exec::events::{Event, Events, JsonLines};
 use crate::exec::journal::Past;
 use crate::exec::progress::{Lines, Quiet, span};
-use crate::exec::{self, Interrupt, Outcome, Store, StoreError, WorkError, Workshop, capability, last_words};
+use crate::exec::{self, Interrupt, Outcome, Store, StoreError, Workshop, capability, last_words};
 use crate::kinds::learn::{Learner, Ppo};
 use crate::plan::why::{self, State};
-use crate::plan::{Fingerprint, Plan, Selection, Stage, StageKind, render};
+use crate::plan::{Fingerprint, Selection, Stage, StageKind, render};
 use crate::report::claim::{self, Judged, Ruling};
 use crate::report::sidecar::Sidecar;
 use crate::report::tasks::{self, TaskRecord};
 use crate::spec::Section;
 use crate::spec::typed::InSection;
+use crate::study::page_name::{Destination, Settled};
+use crate::study::publication::{self, Ready};
+use crate::study::works::works;
+use crate::study::{Study, page};
 
 /// Arguments of `run`.
 #[derive(Debug, clap::Args)]
@@ -64,78 +65,71 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(interrupt) => interrupt,
         Err(exit) => return exit,
     };
-    let comparison = match source::read(&options.source, global) {
-        Ok(comparison) => comparison,
+    let study = match study::read(&options.source, global) {
+        Ok(study) => study,
         Err(exit) => return exit,
     };
-    let folder = match comparison::reports(options.reports.as_deref(), &comparison, global) {
+    let folder = match study::reports(options.reports.as_deref(), &study, global) {
         Ok(folder) => folder,
         Err(exit) => return exit,
     };
-    let Settled { comparison, own, note } = match page_name::settled(comparison, &folder, global) {
+    let Settled { study, own, note } = match study::settled(study, &folder, global) {
         Ok(settled) => settled,
         Err(exit) => return exit,
     };
     let selection =
         Selection { only: options.only.clone(), from: options.from.clone(), until: options.until.clone() };
-    let selected = match selection.apply(&comparison.plan) {
+    let selected = match selection.apply(&study.plan) {
         Ok(selected) => selected,
         Err(error) => {
             output::complain(global, &error.to_string(), None);
             return Exit::Usage;
         }
     };
-    let is_reported = comparison
+    let is_reported = study
         .plan
         .stages()
         .any(|stage| stage.kind == StageKind::Report && selected.contains(&stage.fingerprint));
     let note = note.filter(|_| is_reported).unwrap_or_default();
-    let store = match comparison.store(global) {
+    let store = match study::store(&study, global) {
         Ok(store) => store,
         Err(exit) => return exit,
     };
-    let statuses = why::statuses(&comparison.plan, &Past::of(&store, &comparison.plan));
+    let statuses = why::statuses(&study.plan, &Past::of(&store, &study.plan));
     if options.dry_run {
         output::note(global, &note);
-        return preview(&comparison, &selected, &statuses, global);
+        return preview(&study, &selected, &statuses, global);
     }
     let is_open = |stage: &&Stage| {
         selected.contains(&stage.fingerprint) && statuses[&stage.fingerprint].state != State::Cached
     };
-    for stage in comparison.plan.stages().filter(is_open) {
-        if let Err(error) = capability::check(&comparison.plan, stage) {
-            return incapable(&comparison.plan, stage, &error, global);
+    for stage in study.plan.stages().filter(is_open) {
+        if let Err(error) = capability::check(&study.plan, stage) {
+            return faults::incapable(&study.plan, stage, &error, global);
         }
     }
-    if comparison.plan.stages().filter(is_open).any(|stage| stage.kind == StageKind::Learner) {
-        output::note(global, &long(&comparison));
+    if study.plan.stages().filter(is_open).any(|stage| stage.kind == StageKind::Learner) {
+        output::note(global, &long(&study));
     }
     output::note(global, &note);
     let jobs = options.jobs.map_or_else(cores, usize::from);
     let reasons = statuses.iter().map(|(key, status)| (key.clone(), render::reasons(status))).collect();
     let settings = exec::Options { jobs, keep_going: !options.fail_fast, selected, reasons };
     let destination = Destination { folder: &folder, own: &own };
-    let task = Task { comparison: &comparison, store: &store, settings: &settings, destination, start };
+    let task = Task { study: &study, store: &store, settings: &settings, destination, start };
     execute(&task, &interrupt, global)
-}
-
-/// Tells what a stage needs that is not there.
-pub fn incapable(plan: &Plan, stage: &Stage, error: &WorkError, global: &Global) -> Exit {
-    let (code, help) = error.advice();
-    output::fault(global, code, &format!("{}: {error}", plan.label(stage)), help.as_deref());
-    Exit::StageFailed
 }
 
 /// Samples from which on a training is hours of a desktop's time.
 const MANY: u64 = 20_000_000;
 
 /// That a training without a profile is a long one, and what is shorter; empty where there is nothing to say.
-fn long(comparison: &Comparison) -> String {
-    let arms = comparison.plan.arms.iter().filter(|arm| arm.request.profile.is_none());
+fn long(study: &Study) -> String {
+    let arms = study.plan.arms.iter().filter(|arm| arm.request.profile.is_none());
     let samples =
         arms.filter_map(|arm| Section::new(&arm.fields.only(&[Learner::SECTION])).at(Ppo::samples)).max();
     let shorter =
-        ["quick", "desk"].into_iter().filter(|name| comparison.profiles.iter().any(|known| known == name));
+        ["quick", "desk"].into_iter().filter(|name| study.profiles.iter().any(|known| known == name));
     let shorter: Vec<String> = shorter.map(|name| format!("`--profile {name}`")).collect();
     match samples.filter(|samples| *samples >= MANY && !shorter.is_empty()) {
         Some(samples) => {
@@ -152,12 +146,12 @@ fn cores() -> usize {
 
 /// `--dry-run`: the stages that would run, with their reasons.
 fn preview(
-    comparison: &Comparison,
+    study: &Study,
     selected: &std::collections::BTreeSet<Fingerprint>,
     statuses: &render::Statuses,
     global: &Global,
 ) -> Exit {
-    let plan = &comparison.plan;
+    let plan = &study.plan;
     let open = |key: &Fingerprint| statuses[key].state != State::Cached && selected.contains(key);
     let stages: Vec<_> = plan.stages().filter(|stage| open(&stage.fingerprint)).collect();
     if global.format == Format::Json {
@@ -198,18 +192,9 @@ pub fn audience(global: &Global) -> Arc<dyn Events> {
     }
 }
 
-/// A fault of the store, told to the user.
-pub fn complain(global: &Global, error: &StoreError) -> Exit {
-    if matches!(error, StoreError::Interrupted) {
-        return interruption::tell(global);
-    }
-    output::fault(global, error.code(), &error.to_string(), error.help());
-    Exit::StageFailed
-}
-
 /// What is to be executed.
 struct Task<'a> {
-    comparison: &'a Comparison,
+    study: &'a Study,
     store: &'a Store,
     settings: &'a exec::Options,
     destination: Destination<'a>,
@@ -218,20 +203,19 @@ struct Task<'a> {
 }
 
 fn execute(task: &Task, interrupt: &Interrupt, global: &Global) -> Exit {
-    let Task { comparison, store, settings, destination, start } = *task;
+    let Task { study, store, settings, destination, start } = *task;
     interrupt.work();
-    let (events, works) = (audience(global), works::works(comparison));
+    let (events, works) = (audience(global), works(study));
     if let Err(error) = last_words::listen(Some(store.root().to_owned()), events.clone(), interrupt) {
         output::complain(global, &format!("cannot prepare for crashes: {error}"), None);
         return Exit::Internal;
     }
-    let workshop =
-        Workshop { plan: &comparison.plan, store, works: &works, events: events.as_ref(), interrupt };
+    let workshop = Workshop { plan: &study.plan, store, works: &works, events: events.as_ref(), interrupt };
     let outcome = match exec::run(&workshop, settings) {
         Ok(outcome) => outcome,
-        Err(error) => return complain(global, &error),
+        Err(error) => return faults::store(global, &error),
     };
-    let (published, record) = match publish(&outcome, comparison, destination, &workshop, global) {
+    let (published, record) = match publish(&outcome, study, destination, &workshop, global) {
         Ok(published) => published,
         Err(exit) => return exit,
     };
@@ -246,7 +230,7 @@ fn execute(task: &Task, interrupt: &Interrupt, global: &Global) -> Exit {
         claims: record.claims.iter().map(Judged::brief).collect(),
         wall_s,
     });
-    summarise(&outcome, comparison, wall_s, global);
+    summarise(&outcome, study, wall_s, global);
     tell_tasks(&record.tasks, global);
     tell_claims(&record.claims, global);
     tell_page(&published, global);
@@ -254,7 +238,7 @@ fn execute(task: &Task, interrupt: &Interrupt, global: &Global) -> Exit {
         "interrupted" => Exit::Interrupted,
         "failed" => Exit::StageFailed,
         _ if matches!(published, Published::Kept(..)) => Exit::StageFailed,
-        _ if counts(comparison) && record.claims.iter().any(|claim| claim.verdict == Ruling::Fail) => {
+        _ if counts(study) && record.claims.iter().any(|claim| claim.verdict == Ruling::Fail) => {
             Exit::ClaimFailed
         }
         _ => Exit::Ok,
@@ -285,23 +269,27 @@ impl Published {
 /// record. `Err` is the exit code; everything has been said then.
 fn publish(
     outcome: &Outcome,
-    comparison: &Comparison,
+    study: &Study,
     destination: Destination,
     workshop: &Workshop,
     global: &Global,
 ) -> Result<(Published, Sidecar), Exit> {
     let Some(artefact) = &outcome.report else { return Ok((Published::Nothing, Sidecar::default())) };
-    let ready = publication::ready(artefact, comparison, destination, workshop, global)?;
+    let ready =
+        publication::ready(artefact, study, destination, workshop, &|text| output::note(global, text))
+            .map_err(|error| faults::unready(&error, global))?;
     let Ready { publisher, name, artefact, .. } = &ready;
     let record = Sidecar::read(&Sidecar::path(artefact, name)).map_err(|error| {
-        complain(global, &StoreError::Damaged { path: artefact.clone(), reason: error.to_string() })
+        faults::store(global, &StoreError::Damaged { path: artefact.clone(), reason: error.to_string() })
     })?;
-    let is_whole = outcome.worked.len() + outcome.cached.len() == comparison.plan.stages().len();
+    let is_whole = outcome.worked.len() + outcome.cached.len() == study.plan.stages().len();
     let again = "mend the cause and run all stages again";
     let objection = || page::objection(&Sidecar::path(destination.folder, name), record.results(), again);
     let published = match (!is_whole).then(objection).flatten() {
         Some((reason, advice)) => Published::Kept(reason, advice),
-        None => Published::Page(publisher.publish(artefact, name).map_err(|error| complain(global, &error))?),
+        None => {
+            Published::Page(publisher.publish(artefact, name).map_err(|error| faults::store(global, &error))?)
+        }
     };
     Ok((published, record))
 }
@@ -318,8 +306,8 @@ fn tell_page(published: &Published, global: &Global) {
 }
 
 /// Whether a claim that fails makes the run fail.
-fn counts(comparison: &Comparison) -> bool {
-    comparison.plan.suite.as_ref().is_some_and(|suite| suite.claims_count)
+fn counts(study: &Study) -> bool {
+    study.plan.suite.as_ref().is_some_and(|suite| suite.claims_count)
 }
 
 /// The arms that fail their task, a line each, before any claim.
@@ -351,7 +339,7 @@ fn verdict(outcome: &Outcome) -> &'static str {
 }
 
 /// The last line on standard error.
-fn summarise(outcome: &Outcome, comparison: &Comparison, wall_s: f64, global: &Global) {
+fn summarise(outcome: &Outcome, study: &Study, wall_s: f64, global: &Global) {
     if global.format == Format::Json {
         return;
     }
@@ -364,7 +352,7 @@ fn summarise(outcome: &Outcome, comparison: &Comparison, wall_s: f64, global: &G
     let counts =
         counts.values().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}"));
     let counts = counts.collect::<Vec<_>>().join(", ");
-    output::note(global, &format!("{}: {counts}, in {}", comparison.name, span(wall_s)));
+    output::note(global, &format!("{}: {counts}, in {}", study.name, span(wall_s)));
     if outcome.interrupted {
         output::note(global, "interrupted; run the same command again to go on from the checkpoints");
     }
@@ -382,10 +370,10 @@ mod tests {
         let arguments =
             Arguments::try_parse_from([&["specforge", "run", spec], more].concat()).expect("arguments");
         let Command::Run(options) = &arguments.command else { unreachable!("it is a run") };
-        let Ok(comparison) = source::read(&options.source, &arguments.global) else {
+        let Ok(study) = study::read(&options.source, &arguments.global) else {
             panic!("the spec has a plan")
         };
-        long(&comparison)
+        long(&study)
     }
 
     #[test]

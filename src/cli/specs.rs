@@ -1,15 +1,16 @@
 //! What the commands that read specs share: the options that choose a variant, the files behind the
 //! arguments, and printing what was found.
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use super::{Exit, Format, Global, output, walk};
-use crate::bounded;
-use crate::check::{Checked, checked};
+use super::{Exit, Format, Global, output};
+use crate::check::{Checked, CheckedSuite};
 use crate::diag::render::{self, Look};
 use crate::diag::{Diagnostic, Sources};
-use crate::spec::{LoadOptions, suite};
+use crate::spec::LoadOptions;
+pub use crate::study::files::is_suite;
+pub use crate::study::findings::{Findings, Told};
+use crate::study::{self, Log, Refusal, files};
 
 /// Options that choose a variant of a spec.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -29,11 +30,6 @@ pub struct Variant {
 }
 
 impl Variant {
-    /// Whether anything but the spec as it stands is meant.
-    pub fn varies(&self) -> bool {
-        self.profile.is_some() || !self.sets.is_empty()
-    }
-
     /// As loading takes them.
     pub fn options(&self) -> LoadOptions {
         LoadOptions {
@@ -46,67 +42,30 @@ impl Variant {
     }
 }
 
-/// Diagnostics and the texts that they point into.
-pub struct Findings {
-    /// The texts.
-    pub sources: Sources,
-    /// What was found.
-    pub diagnostics: Vec<Diagnostic>,
-    /// The file that was read: what has no place of its own is about it.
-    pub file: Option<PathBuf>,
-}
-
-impl Findings {
-    /// What was found in texts.
-    pub fn of(sources: Sources, diagnostics: Vec<Diagnostic>) -> Self {
-        Self { sources, diagnostics, file: None }
-    }
-
-    /// The same of a file.
-    pub fn in_file(self, file: &Path) -> Self {
-        Self { file: Some(file.to_owned()), ..self }
+/// Does something that keeps a log, and prints the log and why it failed.
+pub fn told<T>(work: impl FnOnce(&mut Log) -> Result<T, Refusal>, global: &Global) -> Result<T, Exit> {
+    let mut log = Log::default();
+    let result = work(&mut log);
+    let failed = tell(&log.findings, global);
+    match result {
+        Ok(result) => Ok(result),
+        Err(Refusal::Usage { message, advice }) if !failed => {
+            output::complain(global, &message, Some(&advice));
+            Err(Exit::Usage)
+        }
+        Err(_) => Err(Exit::Invalid),
     }
 }
 
-/// What was told of several specs or variants: a finding in what they share is told once.
-#[derive(Default)]
-pub struct Told(BTreeSet<String>);
-
-impl Told {
-    /// Whether a finding was not told yet. It is then.
-    pub fn is_new(&mut self, sources: &Sources, found: &Diagnostic) -> bool {
-        let place = found.labels.first().map(|label| sources.place(label.span)).unwrap_or_default();
-        self.0.insert(format!("{} {place} {}", found.code, found.message))
-    }
+/// Loads and checks a suite and prints what was found. `Err` is the exit code; everything has been said then.
+pub fn suite(path: &Path, variant: &Variant, global: &Global) -> Result<CheckedSuite, Exit> {
+    told(|log| study::suite::checked(path, &variant.options(), log), global)
 }
 
 /// Loads and checks one spec and prints what was found; `Err` is the exit code when there are errors. With
 /// `--format json` errors go to standard output as the document of `check`.
 pub fn require(path: &Path, variant: &Variant, global: &Global) -> Result<Checked, Exit> {
-    require_among(path, variant, &mut Told::default(), global)
-}
-
-/// The same of one of several specs: prints what was not told of the others.
-pub fn require_among(
-    path: &Path,
-    variant: &Variant,
-    told: &mut Told,
-    global: &Global,
-) -> Result<Checked, Exit> {
-    if is_suite(path) {
-        let message = format!("{} is a suite, and this takes a single spec", path.display());
-        output::complain(
-            global,
-            &message,
-            Some("name a spec; `specforge show SUITE --arm ARM` shows one arm of a suite"),
-        );
-        return Err(Exit::Usage);
-    }
-    let checked = checked(path, &variant.options());
-    let mut diagnostics = checked.sink.diagnostics.clone();
-    diagnostics.retain(|found| told.is_new(&checked.sources, found));
-    tell(&[Findings::of(checked.sources.clone(), diagnostics).in_file(path)], global);
-    if checked.sink.has_errors() || checked.experiment.is_none() { Err(Exit::Invalid) } else { Ok(checked) }
+    told(|log| study::spec::checked(path, &variant.options(), log), global)
 }
 
 /// Prints diagnostics, with `--format json` as the document of `check`: errors on standard output, warnings
@@ -163,36 +122,19 @@ fn in_file(mut entry: serde_json::Value, file: Option<&Path>) -> serde_json::Val
     entry
 }
 
-/// Whether a file is a suite; one that cannot be read is none.
-pub fn is_suite(path: &Path) -> bool {
-    bounded::text(path, bounded::WRITTEN).is_ok_and(|text| suite::is_suite(&text))
-}
-
-/// The spec files behind arguments: files as they are, folders as the specs below them, sorted. TOML files
-/// without an edition (motions, suites' data) are not specs. `Err` is the exit code; everything has been said
-/// then.
+/// The spec files behind arguments. `Err` is the exit code; everything has been said then.
 pub fn files(arguments: &[PathBuf], global: &Global) -> Result<Vec<PathBuf>, Exit> {
-    let is_spec = |path: &PathBuf| arguments.contains(path) || may_be_spec(path);
-    Ok(toml_files(arguments, global)?.into_iter().filter(is_spec).collect())
+    found(files::specs(arguments), global)
 }
 
 /// The TOML files behind arguments. `Err` is the exit code; everything has been said then.
 pub fn toml_files(arguments: &[PathBuf], global: &Global) -> Result<Vec<PathBuf>, Exit> {
-    walk::toml_files(arguments).map_err(|error| {
+    found(files::toml_files(arguments), global)
+}
+
+fn found(files: Result<Vec<PathBuf>, Diagnostic>, global: &Global) -> Result<Vec<PathBuf>, Exit> {
+    files.map_err(|error| {
         tell(&[Findings::of(Sources::default(), vec![error])], global);
         Exit::Invalid
     })
-}
-
-/// Whether a file has an edition. One that is there and cannot be read may have one, and what it is will be
-/// told.
-fn may_be_spec(path: &Path) -> bool {
-    match bounded::head(path, bounded::WRITTEN) {
-        Ok(bytes) => String::from_utf8_lossy(&bytes).lines().any(says_edition),
-        Err(error) => !error.is_absence(),
-    }
-}
-
-fn says_edition(line: &str) -> bool {
-    line.trim_start().strip_prefix("spec").is_some_and(|rest| rest.trim_start().starts_with('='))
 }

@@ -4,8 +4,9 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use super::{Exit, Global, interruption, output, run, source, works};
+use super::{Exit, Global, faults, interruption, output, run, study};
 use crate::exec::{self, Workshop, capability, last_words};
+use crate::study::works::works;
 
 /// Arguments of `stage`.
 #[derive(Debug, clap::Args)]
@@ -27,11 +28,11 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(interrupt) => interrupt,
         Err(exit) => return exit,
     };
-    let comparison = match source::saved(&options.plan, global) {
-        Ok(comparison) => comparison,
+    let study = match study::saved(&options.plan, global) {
+        Ok(study) => study,
         Err(exit) => return exit,
     };
-    let plan = &comparison.plan;
+    let plan = &study.plan;
     let keys: BTreeSet<_> =
         plan.find(&options.stage).into_iter().map(|stage| stage.fingerprint.clone()).collect();
     if keys.len() != 1 {
@@ -43,7 +44,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     }
     for stage in keys.iter().filter_map(|key| plan.stage(key)) {
         if let Err(error) = capability::check(plan, stage) {
-            return run::incapable(plan, stage, &error, global);
+            return faults::incapable(plan, stage, &error, global);
         }
     }
     let jobs =
@@ -55,11 +56,11 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         reasons: Default::default(),
     };
     interrupt.work();
-    let store = match comparison.store(global) {
+    let store = match study::store(&study, global) {
         Ok(store) => store,
         Err(exit) => return exit,
     };
-    let (events, works) = (run::audience(global), works::works(&comparison));
+    let (events, works) = (run::audience(global), works(&study));
     if let Err(error) = last_words::listen(Some(store.root().to_owned()), events.clone(), &interrupt) {
         output::complain(global, &format!("cannot prepare for crashes: {error}"), None);
         return Exit::Internal;
@@ -67,7 +68,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let workshop =
         Workshop { plan, store: &store, works: &works, events: events.as_ref(), interrupt: &interrupt };
     match exec::run(&workshop, &settings) {
-        Err(error) => run::complain(global, &error),
+        Err(error) => faults::store(global, &error),
         Ok(outcome) if outcome.interrupted => Exit::Interrupted,
         Ok(outcome) if !outcome.failures.is_empty() => Exit::StageFailed,
         Ok(_) => Exit::Ok,

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::source::{self, Source};
 use super::specs::Variant;
-use super::{Exit, Format, Global, output, page_name};
+use super::study::{self, Source};
+use super::{Exit, Format, Global, output};
 use crate::bounded;
 use crate::escape::terminal::one_line;
 use crate::exec::Store;
@@ -33,22 +33,22 @@ pub struct Options {
 /// Prints the reasons.
 pub fn run(options: &Options, global: &Global) -> Exit {
     let source = Source { files: vec![options.file.clone()], variant: options.variant.clone() };
-    let comparison = match source::read(&source, global) {
-        Ok(comparison) => comparison,
+    let study = match study::read(&source, global) {
+        Ok(study) => study,
         Err(exit) => return exit,
     };
-    let reports = comparison.reports();
-    let comparison = match page_name::settled(comparison, &reports, global) {
-        Ok(settled) => settled.comparison,
+    let reports = study.reports();
+    let study = match study::settled(study, &reports, global) {
+        Ok(settled) => settled.study,
         Err(exit) => return exit,
     };
-    let plan = &comparison.plan;
+    let plan = &study.plan;
     let selection = Selection { only: vec![options.stage.clone()], ..Selection::default() };
     if let Err(error) = selection.apply(plan) {
         output::complain(global, &error.to_string(), None);
         return Exit::Usage;
     }
-    let store = match comparison.store(global) {
+    let store = match study::store(&study, global) {
         Ok(store) => store,
         Err(exit) => return exit,
     };

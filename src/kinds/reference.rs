@@ -1,5 +1,5 @@
 //! The registries by name, and their reference pages as Markdown: the content of `list`, `explain` and
-//! `docs/kinds.md`.
+//! `docs/reference/kinds.md`.
 
 use std::fmt::Write;
 

@@ -26,6 +26,13 @@ pub struct LoadOptions {
     pub without_profiles: bool,
 }
 
+impl LoadOptions {
+    /// Whether they ask for anything but the spec as it is written.
+    pub fn varies(&self) -> bool {
+        self.profile.is_some() || !self.sets.is_empty()
+    }
+}
+
 /// A spec that a key of another file names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NamedSpec {

@@ -10,7 +10,7 @@ mod suite;
 use std::path::PathBuf;
 
 use super::specs::{self, Variant};
-use super::{Exit, Format, Global, output, suites};
+use super::{Exit, Format, Global, output};
 use crate::check::{Checked, CheckedSuite};
 use crate::escape::terminal::Painted;
 use crate::spec::suggest::nearest;
@@ -62,7 +62,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let mut specs = Vec::new();
     for file in &options.files {
         let checked = match specs::is_suite(file) {
-            true => suites::require(file, &options.variant, global)
+            true => specs::suite(file, &options.variant, global)
                 .and_then(|suite| of_suite(suite, options, global)),
             false => {
                 specs::require(file, &options.variant, global).map(|checked| Shown::Spec(Box::new(checked)))

@@ -4,10 +4,10 @@ use serde_json::json;
 
 use crate::check::{CheckedArm, CheckedSuite};
 use crate::cli::Exit;
-use crate::cli::suites::lowered;
 use crate::escape::terminal::one_line;
 use crate::plan::suite::records;
 use crate::spec::suite::Suite;
+use crate::study::suite::lowered;
 
 /// The suite as text or JSON.
 pub fn show(checked: &CheckedSuite, as_json: bool) -> Result<String, Exit> {

@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::comparison::{self, Comparison, Reported};
-use super::specs::{self, Findings, Variant};
-use super::{Exit, Global};
+use super::findings::{Findings, Log};
+use super::plan::{self, Reported};
+use super::{Refusal, Study};
 use crate::check::{self, CheckedArm, CheckedSuite};
 use crate::diag::{Diagnostic, Sources};
 use crate::kinds::learn::Ppo;
@@ -14,29 +14,22 @@ use crate::plan::{
 };
 use crate::robot::Robot;
 use crate::spec::suite::{ClaimPolicy, Suite};
-use crate::spec::{Claim, Section, Table, Value};
+use crate::spec::{Claim, LoadOptions, Section, Table, Value};
 
-/// Loads and checks a suite and prints what was found; `Err` is the exit code when there are errors.
-pub fn require(path: &Path, variant: &Variant, global: &Global) -> Result<CheckedSuite, Exit> {
-    let checked = check::suite(path, &variant.options());
-    let found = Findings::of(checked.sources.clone(), checked.sink.diagnostics.clone()).in_file(path);
-    let failed = specs::tell(&[found], global);
-    if failed || checked.suite.is_none() { Err(Exit::Invalid) } else { Ok(checked) }
+/// Loads and checks a suite; `Err` when it has errors.
+pub fn checked(path: &Path, options: &LoadOptions, log: &mut Log) -> Result<CheckedSuite, Refusal> {
+    let checked = check::suite(path, options);
+    log.add(Findings::of(checked.sources.clone(), checked.sink.diagnostics.clone()).in_file(path))?;
+    if checked.suite.is_none() { Err(Refusal::Invalid) } else { Ok(checked) }
 }
 
 /// The plan of a suite.
-pub fn plan(path: &Path, variant: &Variant, global: &Global) -> Result<Comparison, Exit> {
-    let checked = require(path, variant, global)?;
-    let Some((suite, arms)) = checked.sound() else { return Err(Exit::Invalid) };
+pub fn read(path: &Path, options: &LoadOptions, log: &mut Log) -> Result<Study, Refusal> {
+    let checked = checked(path, options, log)?;
+    let Some((suite, arms)) = checked.sound() else { return Err(Refusal::Invalid) };
     let root = arms.first().and_then(|arm| arm.arm.experiment.root.as_deref());
-    let project = comparison::project(path, root);
-    let request = Request {
-        spec: path.display().to_string(),
-        place: comparison::place_in(&project, path),
-        profile: variant.profile.clone(),
-        assignments: variant.sets.clone(),
-        outside: variant.allow_outside.iter().map(|folder| folder.display().to_string()).collect(),
-    };
+    let project = plan::project(path, root);
+    let request = plan::request(path, &project, options);
     let mut arms = lowered(suite, arms, &checked);
     arms.iter_mut().for_each(|arm| arm.request = request.clone());
     let reported = ReportedSuite { record: record(&checked, suite), fields: fields(suite, &checked.claims) };
@@ -47,19 +40,17 @@ pub fn plan(path: &Path, variant: &Variant, global: &Global) -> Result<Compariso
     };
     let reported =
         Reported { name: &suite.name, suite: Some(reported), baselines: checked.baselines.clone() };
-    let planned = comparison::lowered(&arms, reported, project, located, global)?;
+    let planned = plan::lowered(&arms, reported, project, located, log)?;
     // Of a quick look such a claim stays open.
     let mut same =
-        if variant.varies() { Vec::new() } else { same_results::claims(&planned.plan, &checked.claims) };
+        if options.varies() { Vec::new() } else { same_results::claims(&planned.plan, &checked.claims) };
     if let [first, ..] = suite.profiles.as_slice() {
         let help =
             format!("the suite has profiles, under which they may differ: for example `--profile {first}`");
         same.iter_mut().for_each(|found| found.help.push(help.clone()));
     }
-    if specs::tell(&[Findings::of(checked.sources.clone(), same).in_file(path)], global) {
-        return Err(Exit::Invalid);
-    }
-    Ok(Comparison { profiles: suite.profiles.clone(), ..planned })
+    log.add(Findings::of(checked.sources.clone(), same).in_file(path))?;
+    Ok(Study { profiles: suite.profiles.clone(), ..planned })
 }
 
 /// E0806 and E0816: the claims of a sound suite that compare a result with itself, by the keys of its stages.

@@ -7,22 +7,13 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use super::comparison::Comparison;
-use super::{Exit, Global, output, page_name, run};
+use super::Study;
+use super::page_name::{self, Destination};
 use crate::exec::lease::Lease;
 use crate::exec::lock::Wait;
-use crate::exec::{self, Workshop};
-use crate::plan::StageKind;
+use crate::exec::{self, StoreError, Workshop};
+use crate::plan::{PlanError, StageKind};
 use crate::report::publish::Publisher;
-
-/// Where a report goes.
-#[derive(Clone, Copy, Debug)]
-pub struct Destination<'a> {
-    /// The folder of reports.
-    pub folder: &'a Path,
-    /// The name of the spec, which its report has where no other page has it.
-    pub own: &'a str,
-}
 
 /// A report under the name that it is published with, and the lock of its folder.
 pub struct Ready<'a> {
@@ -36,37 +27,50 @@ pub struct Ready<'a> {
     _lease: Option<Lease>,
 }
 
+/// Why a report is not ready to be published.
+#[derive(Debug, thiserror::Error)]
+pub enum Unready {
+    /// The store or the folder cannot be used.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The plan cannot have another name of its report.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// Rendering it again was interrupted.
+    #[error("interrupted")]
+    Interrupted,
+    /// Rendering it again failed; an event said why.
+    #[error("the report cannot be rendered")]
+    Failed,
+}
+
 /// Locks the folder of reports, and renders the report again if its page must have another name than it was
-/// rendered with. `Err` is the exit code; everything has been said then.
+/// rendered with. `tell` gets sentences for the user while that takes time.
 pub fn ready<'a>(
     artefact: &Path,
-    comparison: &Comparison,
+    study: &Study,
     destination: Destination<'a>,
     workshop: &Workshop,
-    global: &Global,
-) -> Result<Ready<'a>, Exit> {
+    tell: &dyn Fn(&str),
+) -> Result<Ready<'a>, Unready> {
     let shown = destination.folder.display();
-    let tell =
-        |who: &str| output::note(global, &format!("{who} is writing a report into {shown}; waiting for it"));
-    let wait = Wait { interrupt: Some(workshop.interrupt), tell: Some(&tell) };
-    let publisher =
-        Publisher::lock(destination.folder, &wait).map_err(|error| run::complain(global, &error))?;
-    let choice = page_name::choice(comparison, destination);
-    if choice.name == comparison.name {
+    let waits = |who: &str| tell(&format!("{who} is writing a report into {shown}; waiting for it"));
+    let wait = Wait { interrupt: Some(workshop.interrupt), tell: Some(&waits) };
+    let publisher = Publisher::lock(destination.folder, &wait)?;
+    let choice = page_name::choice(study, destination);
+    if choice.name == study.name {
         let (name, artefact) = (choice.name, artefact.to_owned());
         return Ok(Ready { publisher, name, artefact, _lease: None });
     }
-    output::note(global, &choice.note.unwrap_or_default());
-    let plan = page_name::renamed(&comparison.plan, &choice.name, global)?;
+    tell(&choice.note.unwrap_or_default());
+    let plan = study.plan.clone().reported_as(&choice.name)?;
     let reports = plan.stages().filter(|stage| stage.kind == StageKind::Report);
     let selected: BTreeSet<_> = reports.map(|stage| stage.fingerprint.clone()).collect();
     let settings = exec::Options { jobs: 1, keep_going: true, selected, reasons: Default::default() };
-    let outcome = exec::run(&Workshop { plan: &plan, ..*workshop }, &settings);
-    let outcome = outcome.map_err(|error| run::complain(global, &error))?;
+    let outcome = exec::run(&Workshop { plan: &plan, ..*workshop }, &settings)?;
     match outcome.report {
         Some(artefact) => Ok(Ready { publisher, name: choice.name, artefact, _lease: outcome.lease }),
-        // What failed has been told as an event.
-        None if outcome.interrupted => Err(Exit::Interrupted),
-        None => Err(Exit::StageFailed),
+        None if outcome.interrupted => Err(Unready::Interrupted),
+        None => Err(Unready::Failed),
     }
 }

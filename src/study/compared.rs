@@ -3,11 +3,12 @@
 
 use std::path::Path;
 
-use super::source;
-use super::specs::{self, Findings};
-use super::walk::identity;
+use super::files::{identity, is_suite};
+use super::findings::Findings;
+use super::plan::plain_arm;
 use crate::check::{Checked, Checker, unrunnable};
 use crate::diag::{Diagnostic, Severity, Sources, Span};
+use crate::escape;
 use crate::plan::{PlanError, lower, same_results};
 use crate::spec::{Experiment, LoadOptions};
 use crate::syntax::Disk;
@@ -48,18 +49,25 @@ pub fn findings(spec: &Checked, file: &Path, options: &LoadOptions, checker: &mu
 /// E0816 for an entry whose every result is the spec's own, by the keys of the stages. Specs of one name have
 /// an error of their own.
 fn same_results(spec: &Checked, other: &Checked, entry: usize) -> Option<Diagnostic> {
-    let arms = [source::plain_arm(spec)?, source::plain_arm(other)?];
+    let arms = [plain_arm(spec)?, plain_arm(other)?];
     let error = same_results::specs(&lower(&arms, None).ok()?, &arms[0].name, &arms[1].name)?;
     Some(at_entry(error, (spec, entry)))
 }
 
-/// The errors of a spec, with what is told beside them.
-fn errors(other: Checked, told: &str) -> Findings {
+/// The errors of a spec, with a sentence that says who compares itself with it.
+fn errors(other: Checked, sentence: &str) -> Findings {
     let Checked { sources, sink, .. } = other;
     let mut errors = sink.diagnostics;
     errors.retain(|found| found.severity == Severity::Error);
-    errors.iter_mut().for_each(|found| found.help.push(told.to_owned()));
-    Findings::of(sources, errors)
+    let mut findings = Findings::of(sources, errors);
+    explain(&mut findings, sentence);
+    findings
+}
+
+/// Adds a sentence to the help of every error.
+pub fn explain(findings: &mut Findings, sentence: &str) {
+    let errors = findings.diagnostics.iter_mut().filter(|found| found.severity == Severity::Error);
+    errors.for_each(|found| found.help.push(sentence.to_owned()));
 }
 
 /// One error for each name that several of the specs have.
@@ -81,9 +89,8 @@ fn namesakes(spec: &Checked, others: &[Checked]) -> Vec<Findings> {
 
 /// E0606 for an entry that is a suite.
 pub fn no_suite(file: &Path, by: (&Checked, usize)) -> Option<Diagnostic> {
-    specs::is_suite(file).then(|| {
-        let message =
-            format!("`{}` is a suite, and a spec is compared with specs", crate::escape::file(file));
+    is_suite(file).then(|| {
+        let message = format!("`{}` is a suite, and a spec is compared with specs", escape::file(file));
         at_entry(Diagnostic::error("E0606", message).help("name one of the specs that the suite varies"), by)
     })
 }

@@ -1,59 +1,16 @@
-//! A plan with its project and its store, made of the arms of specs or of a suite.
+//! A plan with its project, made of the arms of specs or of a suite.
 
 use std::path::{Path, PathBuf};
 
-use super::specs::{self, Findings};
-use super::{Exit, Global, output, run};
+use super::findings::{Findings, Log};
+use super::{Refusal, Study};
+use crate::check::Checked;
 use crate::diag::{Sources, Span};
-use crate::exec::Store;
-use crate::plan::{Arm, Plan, PlanError, ReportSource, ReportedSuite, lower};
-use crate::report::paths;
+use crate::plan::{Arm, PlanError, ReportSource, ReportedSuite, Request, Shared, lower};
 use crate::report::render;
 use crate::report::template::Templates;
 use crate::spec::section::Report;
-use crate::spec::{Section, Table};
-
-/// A plan and where it belongs.
-pub struct Comparison {
-    /// The plan.
-    pub plan: Plan,
-    /// The name of the report.
-    pub name: String,
-    /// The folder of `reports/` and `.specforge/`.
-    pub project: PathBuf,
-    /// The profiles that could have been chosen; none of a plan from a file.
-    pub profiles: Vec<String>,
-}
-
-impl Comparison {
-    /// The store: what the user named, or `.specforge` in the project's folder. `Err` is the exit code when
-    /// its mark is damaged or of another layout, or the folder is somebody else's; it has been said then.
-    pub fn store(&self, global: &Global) -> Result<Store, Exit> {
-        let store = Store::at(global.store.clone().unwrap_or_else(|| self.project.join(".specforge")));
-        store.identity().map_err(|error| run::complain(global, &error))?;
-        Ok(store)
-    }
-
-    /// The folder of the page, when the user names no other: below `reports/` as the (first) spec is below
-    /// `specs/`.
-    pub fn reports(&self) -> PathBuf {
-        let place = self.plan.arms.first().map_or("", |arm| arm.request.place.as_str());
-        self.project.join("reports").join(paths::page_folder(place))
-    }
-}
-
-/// Where the report is written: into the folder that the user named, or into its own below the project's
-/// `reports`. `Err` is the exit code when that is no folder; it has been said then, before anything is worked
-/// on.
-pub fn reports(chosen: Option<&Path>, comparison: &Comparison, global: &Global) -> Result<PathBuf, Exit> {
-    let folder = chosen.map_or_else(|| comparison.reports(), Path::to_owned);
-    if folder.exists() && !folder.is_dir() {
-        let message = format!("reports cannot be written into {}, which is a file", folder.display());
-        output::complain(global, &message, Some("name a folder: `--reports DIR`"));
-        return Err(Exit::Usage);
-    }
-    Ok(folder)
-}
+use crate::spec::{LoadOptions, Section, Table};
 
 /// What a page is of, beside its arms.
 pub struct Reported<'a> {
@@ -72,16 +29,16 @@ pub fn lowered(
     Reported { name, suite, baselines }: Reported<'_>,
     project: PathBuf,
     located: impl Fn(&PlanError) -> (Sources, Option<Span>),
-    global: &Global,
-) -> Result<Comparison, Exit> {
+    log: &mut Log,
+) -> Result<Study, Refusal> {
     let fields = suite.as_ref().map(|suite| &suite.fields).or(arms.first().map(|arm| &arm.fields));
-    let templates = checked_templates(fields.ok_or(Exit::Invalid)?, &project, global)?;
+    let templates = checked_templates(fields.ok_or(Refusal::Invalid)?, &project, log)?;
     match lower(arms, Some(&ReportSource { name: name.to_owned(), templates, suite, baselines })) {
-        Ok(plan) => Ok(Comparison { plan, name: name.to_owned(), project, profiles: Vec::new() }),
+        Ok(plan) => Ok(Study { plan, name: name.to_owned(), project, profiles: Vec::new() }),
         Err(error) => {
             let (sources, place) = located(&error);
-            specs::tell(&[Findings::of(sources, vec![error.diagnostic(place)])], global);
-            Err(Exit::Invalid)
+            log.add(Findings::of(sources, vec![error.diagnostic(place)]))?;
+            Err(Refusal::Invalid)
         }
     }
 }
@@ -93,15 +50,39 @@ pub fn templates(project: &Path) -> Templates {
 
 /// The digest of the templates that the report is rendered with. A mistake in its template is found here,
 /// before anything is trained.
-fn checked_templates(fields: &Table, project: &Path, global: &Global) -> Result<String, Exit> {
+fn checked_templates(fields: &Table, project: &Path, log: &mut Log) -> Result<String, Refusal> {
     let template = Section::new(fields).at(Report::template).unwrap_or_else(|| "run.md.j2".to_owned());
     let (templates, mut sources) = (templates(project), Sources::default());
     let diagnostics = render::check(&template, &templates, &mut sources);
-    if specs::tell(&[Findings::of(sources, diagnostics)], global) {
-        return Err(Exit::Invalid);
-    }
+    log.add(Findings::of(sources, diagnostics))?;
     // The copies inside the program and the code that renders change with the commit.
     Ok(format!("{} {}", templates.digest(&template), env!("SPECFORGE_COMMIT")))
+}
+
+/// An arm of a checked spec; `None` when that has errors.
+pub fn plain_arm(checked: &Checked) -> Option<Arm> {
+    let (experiment, robot) = checked.sound()?;
+    Some(Arm {
+        name: experiment.name.clone(),
+        fields: experiment.table.clone(),
+        origins: experiment.origin_texts(&checked.sources),
+        robot: serde_json::to_value(robot).expect("a robot is plain data").into(),
+        motion: checked.motion.clone().map(Shared::from),
+        request: Request::default(),
+        allow: experiment.allow.clone(),
+        runs: None,
+    })
+}
+
+/// What was asked for: a file of a project and its variant.
+pub fn request(file: &Path, project: &Path, options: &LoadOptions) -> Request {
+    Request {
+        spec: file.display().to_string(),
+        place: place_in(project, file),
+        profile: options.profile.clone(),
+        assignments: options.sets.clone(),
+        outside: options.allow_outside.iter().map(|folder| folder.display().to_string()).collect(),
+    }
 }
 
 /// A spec's path in its project, the same however the user named the file; its name where it lies elsewhere.

@@ -7,10 +7,8 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use super::comparison::Comparison;
-use super::publication::Destination;
-use super::{Exit, Global, output, standing};
-use crate::plan::{Plan, Request};
+use super::{Study, standing};
+use crate::plan::{Plan, PlanError, Request};
 use crate::report::gather::named;
 use crate::report::index;
 use crate::report::sidecar::{ArmRecord, Sidecar};
@@ -23,6 +21,15 @@ const NO_PROFILE: &str = "full";
 
 /// Most bytes of a profile in the name of a page; the digest says the rest.
 const LONGEST_PROFILE: usize = 60;
+
+/// Where a report goes.
+#[derive(Clone, Copy, Debug)]
+pub struct Destination<'a> {
+    /// The folder of reports.
+    pub folder: &'a Path,
+    /// The name of the spec, which its report has where no other page has it.
+    pub own: &'a str,
+}
 
 /// Why a page does not have the name of its spec.
 enum Taken {
@@ -41,79 +48,70 @@ pub struct Choice {
     pub note: Option<String>,
 }
 
-/// A comparison whose report has the name that its page can have.
+/// A study whose report has the name that its page can have.
 pub struct Settled {
-    /// The comparison.
-    pub comparison: Comparison,
+    /// The study.
+    pub study: Study,
     /// The name of the spec.
     pub own: String,
     /// Why the page has another name than the spec, for the user.
     pub note: Option<String>,
 }
 
-/// The comparison with the name that its report can have in a folder as it is now. `Err` is the exit code;
-/// everything has been said then.
-pub fn settled(comparison: Comparison, folder: &Path, global: &Global) -> Result<Settled, Exit> {
-    let own = comparison.name.clone();
-    let Choice { name, note } = choice(&comparison, Destination { folder, own: &own });
+/// The study with the name that its report can have in a folder as it is now.
+pub fn settled(study: Study, folder: &Path) -> Result<Settled, PlanError> {
+    let own = study.name.clone();
+    let Choice { name, note } = choice(&study, Destination { folder, own: &own });
     if name == own {
-        return Ok(Settled { comparison, own, note });
+        return Ok(Settled { study, own, note });
     }
-    let comparison = Comparison { plan: renamed(&comparison.plan, &name, global)?, name, ..comparison };
-    Ok(Settled { comparison, own, note })
+    let plan = study.plan.reported_as(&name)?;
+    Ok(Settled { study: Study { plan, name, ..study }, own, note })
 }
 
-/// The plan with another name of its report.
-pub fn renamed(plan: &Plan, name: &str, global: &Global) -> Result<Plan, Exit> {
-    plan.clone().reported_as(name).map_err(|error| {
-        output::complain(global, &error.to_string(), None);
-        Exit::Internal
-    })
-}
-
-/// The name that the page of a comparison has in a folder as it is now.
-pub fn choice(comparison: &Comparison, destination: Destination) -> Choice {
+/// The name that the page of a study has in a folder as it is now.
+pub fn choice(study: &Study, destination: Destination) -> Choice {
     let Destination { folder, own } = destination;
-    let (is_other_spec, reason) = match taken(comparison, folder, own) {
+    let (is_other_spec, reason) = match taken(study, folder, own) {
         None => return Choice { name: own.to_owned(), note: None },
         Some(Taken::Spec(reason)) => (true, reason),
         Some(Taken::Other(reason)) => (false, reason),
     };
-    let request = comparison.plan.arms.first().map(|arm| arm.request.clone()).unwrap_or_default();
+    let request = study.plan.arms.first().map(|arm| arm.request.clone()).unwrap_or_default();
     let profile = request.profile.as_deref().unwrap_or(NO_PROFILE);
     let plain = profile.replace(|c: char| !c.is_alphanumeric() && c != '-', "_");
     let short: String =
         plain.char_indices().take_while(|(at, _)| *at < LONGEST_PROFILE).map(|(_, c)| c).collect();
     let beside = format!("{own}.{short}");
     let is_plain = !is_other_spec && request.assignments.is_empty() && short == plain;
-    let name = match is_plain && taken(comparison, folder, &beside).is_none() {
+    let name = match is_plain && taken(study, folder, &beside).is_none() {
         true => beside,
-        false => format!("{beside}.{}", digest(&comparison.plan, &request)),
+        false => format!("{beside}.{}", digest(&study.plan, &request)),
     };
     let page = |name: &str| folder.join(format!("{name}.md")).display().to_string();
     let note = format!("{} {reason}, so this report is {}", page(own), page(&name));
     Choice { name, note: Some(note) }
 }
 
-/// Why a report of this comparison cannot have this name; none when there is no such page, or one of the same
+/// Why a report of this study cannot have this name; none when there is no such page, or one of the same
 /// run.
-fn taken(comparison: &Comparison, folder: &Path, name: &str) -> Option<Taken> {
+fn taken(study: &Study, folder: &Path, name: &str) -> Option<Taken> {
     let other = |reason: &str| Some(Taken::Other(reason.to_owned()));
     if index::FILE.eq_ignore_ascii_case(&format!("{name}.md")) {
         return other("is the index of all reports");
     }
     let page = folder.join(format!("{name}.md"));
     match Sidecar::read(&Sidecar::path(folder, name)) {
-        Ok(record) => difference(&record, comparison),
+        Ok(record) => difference(&record, study),
         Err(error) if error.is_absence() && page.symlink_metadata().is_err() => None,
         Err(error) if error.is_absence() => other("has no record that says what it is of"),
         Err(_) => other("has a record that cannot be read"),
     }
 }
 
-/// What makes the run of a record another one than that of a comparison.
-fn difference(record: &Sidecar, comparison: &Comparison) -> Option<Taken> {
-    let plan = &comparison.plan;
+/// What makes the run of a record another one than that of a study.
+fn difference(record: &Sidecar, study: &Study) -> Option<Taken> {
+    let plan = &study.plan;
     let request = plan.arms.first().map(|arm| arm.request.clone()).unwrap_or_default();
     let other = |reason: String| Some(Taken::Other(reason));
     let specs: Vec<&str> = plan.arms.iter().take(named(plan)).map(|arm| arm.request.spec.as_str()).collect();
@@ -124,19 +122,19 @@ fn difference(record: &Sidecar, comparison: &Comparison) -> Option<Taken> {
         }
         return other("does not say which command made it".to_owned());
     };
-    if !is_same_spec(record, &recorded.files, comparison) {
+    if !is_same_spec(record, &recorded.files, study) {
         let files = recorded.files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>();
         return Some(Taken::Spec(format!("is of another spec ({})", files.join(", "))));
     }
-    if recorded.variant.profile != request.profile {
-        return other(match recorded.variant.profile {
+    if recorded.options.profile != request.profile {
+        return other(match recorded.options.profile {
             Some(profile) => format!("is of the profile `{profile}`"),
             None => "is of no profile".to_owned(),
         });
     }
     let sorted = |sets: &[String]| sets.iter().cloned().collect::<BTreeSet<String>>();
-    if sorted(&recorded.variant.sets) != sorted(&request.assignments) {
-        return other(match recorded.variant.sets.as_slice() {
+    if sorted(&recorded.options.sets) != sorted(&request.assignments) {
+        return other(match recorded.options.sets.as_slice() {
             [] => "is of the spec without `--set`".to_owned(),
             sets => format!("is of `--set {}`", sets.join(" --set ")),
         });
@@ -152,9 +150,9 @@ fn difference(record: &Sidecar, comparison: &Comparison) -> Option<Taken> {
     }
 }
 
-/// Whether a record is of the files that a comparison is made of, or of specs with the same values.
-fn is_same_spec(record: &Sidecar, files: &[PathBuf], comparison: &Comparison) -> bool {
-    let plan = &comparison.plan;
+/// Whether a record is of the files that a study is made of, or of specs with the same values.
+fn is_same_spec(record: &Sidecar, files: &[PathBuf], study: &Study) -> bool {
+    let plan = &study.plan;
     let requests: Vec<&Request> = plan.arms.iter().take(named(plan)).map(|arm| &arm.request).collect();
     let places: Vec<&str> = requests.iter().map(|request| request.place.as_str()).collect();
     let same_places = if record.specs.is_empty() || places.contains(&"") {
@@ -162,7 +160,7 @@ fn is_same_spec(record: &Sidecar, files: &[PathBuf], comparison: &Comparison) ->
         files.len() == requests.len()
             && pairs
                 .into_iter()
-                .all(|(file, request)| is_same_file(file, Path::new(&request.spec), &comparison.project))
+                .all(|(file, request)| is_same_file(file, Path::new(&request.spec), &study.project))
     } else {
         record.specs == places
     };

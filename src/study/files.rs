@@ -1,10 +1,12 @@
-//! The TOML files behind arguments: files as they are, folders as what is below them.
+//! The TOML files behind paths: files as they are, folders as what is below them.
 
 use std::collections::BTreeSet;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
+use crate::bounded;
 use crate::diag::Diagnostic;
+use crate::spec::suite;
 
 /// Most files and folders below the arguments.
 const MOST: usize = 100_000;
@@ -82,6 +84,31 @@ pub fn identity(file: &Path) -> PathBuf {
 fn too_large(folder: &Path, why: &str) -> Diagnostic {
     let message = format!("cannot search `{}`: {why}", crate::escape::file(folder));
     Diagnostic::error("E0008", message).help("name the folder that holds the specs, such as `specs`")
+}
+
+/// Whether a file is a suite; one that cannot be read is not.
+pub fn is_suite(path: &Path) -> bool {
+    bounded::text(path, bounded::WRITTEN).is_ok_and(|text| suite::is_suite(&text))
+}
+
+/// The specs and suites behind paths: files as they are, of folders the TOML files below them that have an
+/// edition, sorted. Motions and robots have none. E0008 for a folder that is too large.
+pub fn specs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Diagnostic> {
+    let is_spec = |path: &PathBuf| paths.contains(path) || may_be_spec(path);
+    Ok(toml_files(paths)?.into_iter().filter(is_spec).collect())
+}
+
+/// Whether a file has an edition. One that is there and cannot be read may have one, and reading it says what
+/// it is.
+fn may_be_spec(path: &Path) -> bool {
+    match bounded::head(path, bounded::WRITTEN) {
+        Ok(bytes) => String::from_utf8_lossy(&bytes).lines().any(says_edition),
+        Err(error) => !error.is_absence(),
+    }
+}
+
+fn says_edition(line: &str) -> bool {
+    line.trim_start().strip_prefix("spec").is_some_and(|rest| rest.trim_start().starts_with('='))
 }
 
 #[cfg(test)]

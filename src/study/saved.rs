@@ -1,0 +1,48 @@
+//! A plan from the file that `plan --save` wrote.
+
+use std::path::{Path, PathBuf};
+
+use super::findings::{Findings, Log};
+use super::plan::project;
+use super::{Refusal, Study};
+use crate::bounded;
+use crate::diag::{Diagnostic, Sources};
+use crate::escape;
+use crate::plan::{Plan, SavedError, StageKind};
+
+/// What writes a plan.
+const ADVICE: &str = "write the plan with `specforge plan SPEC --save PLAN.json`";
+
+/// Whether a file is a plan, by its ending.
+pub fn is_plan(file: &Path) -> bool {
+    file.extension().is_some_and(|ending| ending == "json")
+}
+
+/// Reads a plan.
+pub fn read(file: &Path, log: &mut Log) -> Result<Study, Refusal> {
+    let text = match bounded::text(file, bounded::RECORD) {
+        Err(error) if error.is_absence() => {
+            let message = format!("file not found: `{}`", escape::file(file));
+            let missing = Diagnostic::error("E0004", message).help(ADVICE.replace("the plan", "a plan"));
+            log.add(Findings::of(Sources::default(), vec![missing]).in_file(file))?;
+            return Err(Refusal::Invalid);
+        }
+        text => text.map_err(|error| no_plan(file, &error.to_string()))?,
+    };
+    let plan = match Plan::from_json(&text) {
+        Ok(plan) => plan,
+        Err(SavedError::Plan(error)) => {
+            log.add(Findings::of(Sources::default(), vec![error.diagnostic(None)]).in_file(file))?;
+            return Err(Refusal::Invalid);
+        }
+        Err(error @ SavedError::Format(_)) => return Err(no_plan(file, &error.to_string())),
+    };
+    let report = plan.stages().find(|stage| stage.kind == StageKind::Report);
+    let name = report.map_or("report", |stage| stage.users[0].arm.as_str()).to_owned();
+    let spec = plan.arms.first().map(|arm| PathBuf::from(&arm.request.spec)).unwrap_or_default();
+    Ok(Study { plan, name, project: project(&spec, None), profiles: Vec::new() })
+}
+
+fn no_plan(file: &Path, reason: &str) -> Refusal {
+    Refusal::Usage { message: format!("{}: {reason}", file.display()), advice: ADVICE.to_owned() }
+}
