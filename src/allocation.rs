@@ -4,12 +4,14 @@
 //! that would exceed its limit therefore never gets an answer: it sleeps until the process ends, and the
 //! thread that waits for it is notified. Use it only for optional work.
 
-use std::alloc::{GlobalAlloc, Layout, System};
+use std::alloc::{GlobalAlloc, Layout};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// The system's allocator with per-thread limits.
+use mimalloc::MiMalloc;
+
+/// mimalloc with per-thread limits; `check` allocates many small values (docs/explanation/build.md).
 #[derive(Debug)]
 pub struct Limited;
 
@@ -66,19 +68,19 @@ fn stop(budget: Budget) -> ! {
     }
 }
 
-// SAFETY: every call is passed to the system's allocator unchanged, or never returns. The budget is a plain
+// SAFETY: every call is passed to mimalloc unchanged, or never returns. The budget is a plain
 // cell without a destructor, so that reading it does not allocate.
 unsafe impl GlobalAlloc for Limited {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         take(layout.size());
         // SAFETY: the caller keeps the contract of `alloc`.
-        unsafe { System.alloc(layout) }
+        unsafe { MiMalloc.alloc(layout) }
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         take(layout.size());
         // SAFETY: the caller keeps the contract of `alloc_zeroed`.
-        unsafe { System.alloc_zeroed(layout) }
+        unsafe { MiMalloc.alloc_zeroed(layout) }
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
@@ -88,13 +90,13 @@ unsafe impl GlobalAlloc for Limited {
         }
         // SAFETY: the pointer came from `alloc` with this layout, and the caller keeps the contract of
         // `realloc`.
-        unsafe { System.realloc(pointer, layout, size) }
+        unsafe { MiMalloc.realloc(pointer, layout, size) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
         give(layout.size());
         // SAFETY: the pointer came from `alloc` above with this layout.
-        unsafe { System.dealloc(pointer, layout) }
+        unsafe { MiMalloc.dealloc(pointer, layout) }
     }
 }
 

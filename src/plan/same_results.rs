@@ -9,10 +9,12 @@ use super::fingerprint::Fingerprint;
 use super::graph::{ArmRecord, Plan};
 use super::stage::StageKind;
 use crate::diag::{Diagnostic, Span};
+use crate::kinds::action::Action;
+use crate::kinds::task::Task;
 use crate::spec::claim::cases::twin;
 use crate::spec::claim::{Case, Claim, Over, Points, cases};
 use crate::spec::suggest::listed;
-use crate::spec::{Table, Value};
+use crate::spec::{Section, Table, Value};
 use crate::syntax::Layer;
 
 /// Largest number of differing keys that a message names.
@@ -25,6 +27,19 @@ const UNREAD: [&str; 3] = ["name", "summary", "report"];
 pub fn claims(plan: &Plan, claims: &[Claim]) -> Vec<Diagnostic> {
     let arms = arms(plan);
     claims.iter().filter_map(|claim| Comparing { plan, arms: &arms, claim }.trouble()).collect()
+}
+
+/// Whether two specs have different tasks or action spaces. They train different policies then, so none of
+/// their results is the same, and no plan is needed to know that.
+pub fn train_other_policies(own: &Table, other: &Table) -> bool {
+    let kinds = |spec| {
+        let spec = Section::new(spec);
+        [
+            spec.within::<Task>().and_then(|task| task.kind()),
+            spec.within::<Action>().and_then(|action| action.kind()),
+        ]
+    };
+    kinds(own) != kinds(other)
 }
 
 /// What is wrong with a comparison of two arms of a plan: all their common results are the same. `None` if
