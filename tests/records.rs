@@ -261,13 +261,21 @@ fn a_record_with_other_numbers_or_without_a_part_is_refused_and_restores_nothing
         (without_curve, "`metrics.jsonl` is missing"),
         (more, "`other.json` is no file of the stage"),
     ] {
-        fs::write(&path, text).unwrap();
-        let other = tempfile::tempdir().unwrap();
-        let output = specforge(other.path(), &["cache", "import", saved.to_str().unwrap()], &[]);
-        assert_eq!(output.status.code(), Some(4), "{}", text_of(&output));
-        assert!(text_of(&output).contains(reason), "{}", text_of(&output));
-        let kinds = ["pretrain", "learner", "evaluate", "export", "transfer"];
-        assert!(kinds.iter().all(|kind| !other.path().join(kind).exists()), "{reason}: a part was restored");
+        let import = |text: &str, reason: &str| {
+            fs::write(&path, text).unwrap();
+            let other = tempfile::tempdir().unwrap();
+            let output = specforge(other.path(), &["cache", "import", saved.to_str().unwrap()], &[]);
+            assert_eq!(output.status.code(), Some(4), "{}", text_of(&output));
+            assert!(text_of(&output).contains(reason), "{}", text_of(&output));
+            let kinds = ["pretrain", "learner", "evaluate", "export", "transfer"];
+            let is_restored = |kind: &&str| other.path().join(kind).exists();
+            assert!(!kinds.iter().any(is_restored), "{reason}: a part was restored");
+        };
+        import(&text, "it was changed after it was written: it does not have its own digest");
+        // Sealed again it still contradicts itself.
+        let mut json: Json = serde_json::from_str(&text).unwrap();
+        json["seal"] = specforge::seal::of(&text).expect("an object").into();
+        import(&json.to_string(), reason);
     }
 }
 
