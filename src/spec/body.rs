@@ -4,6 +4,7 @@ use super::decode::{Decoder, Registry};
 use super::family::Header;
 use super::section::{HEADER, SectionShape};
 use super::suggest::{listed, nearest};
+use super::synonyms;
 use super::{Shape, Table, Value, Vocabulary};
 use crate::diag::Diagnostic;
 use crate::syntax::{Entry, Item, Layer, Map, Node};
@@ -66,12 +67,14 @@ fn unknown_section(key: &str, entry: &Entry, vocabulary: &Vocabulary) -> Diagnos
         false => Diagnostic::error("E0102", format!("unknown {what} `{key}`")),
     };
     let error = error.at(entry.key, "");
-    match nearest(key, names()) {
+    let near = synonyms::here(key, "", names());
+    let elsewhere = if near.is_none() { synonyms::elsewhere(key) } else { None };
+    match near.or_else(|| nearest(key, names()).filter(|_| elsewhere.is_none())) {
         Some(near) => error.help(format!("did you mean `{near}`?")).fix(entry.key, near),
         None => {
             let mut names: Vec<&str> = vocabulary.sections.iter().map(|section| section.name).collect();
             names.sort_unstable();
-            error.help(format!("the sections are {}", listed(names)))
+            error.help(elsewhere.unwrap_or_else(|| format!("the sections are {}", listed(names))))
         }
     }
 }

@@ -18,6 +18,7 @@ pub mod reach;
 pub mod section;
 pub mod suggest;
 pub mod suite;
+pub mod synonyms;
 pub mod typed;
 pub mod value;
 

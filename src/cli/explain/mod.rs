@@ -12,6 +12,7 @@ use crate::kinds::keys::{self, Key};
 use crate::kinds::reference::{self, Registry, registries, summary};
 use crate::kinds::vocabulary::vocabulary;
 use crate::quantity::unit::UNITS;
+use crate::spec::synonyms::{self, PARTS};
 use crate::spec::{Kind, Shape};
 
 pub use units::line as unit_line;
@@ -75,6 +76,12 @@ fn titles(word: &str, pages: &[Page]) -> String {
 }
 
 fn pages(word: &str) -> Vec<Page> {
+    let pages = pages_of(word);
+    let joined = word.replace('-', "_");
+    if pages.is_empty() && joined != word { pages_of(&joined) } else { pages }
+}
+
+fn pages_of(word: &str) -> Vec<Page> {
     let mut pages = Vec::new();
     if let Some(page) = codes::page(word) {
         let facts = json!({ "title": page.title() });
@@ -98,7 +105,27 @@ fn pages(word: &str) -> Vec<Page> {
         pages.extend(if named.is_empty() { of_term(word, &keys) } else { named }.into_iter().map(key_page));
     }
     pages.extend(units::page(word));
+    if pages.is_empty() {
+        pages.extend(synonym_page(word));
+    }
     pages
+}
+
+/// The page of a name that other programs use.
+fn synonym_page(word: &str) -> Option<Page> {
+    let row = synonyms::find(word)?;
+    let paths: Vec<String> = row.ours.iter().map(|path| synonyms::shown(path)).collect();
+    let mut text = format!("# {word}\n\nA name that other programs use. Here it is:\n\n");
+    for path in &paths {
+        let page = pages(path).into_iter().next();
+        let about = page.as_ref().and_then(|page| page.text.lines().skip(1).find(|line| !line.is_empty()));
+        text += &format!("  {path:<30} {}\n", about.unwrap_or_default());
+    }
+    if !row.note.is_empty() {
+        text += &format!("\n{}\n", row.note);
+    }
+    text += &format!("\n`specforge explain {}` says more.\n", paths[0]);
+    Some(Page { what: "synonym", name: word.to_owned(), text, facts: json!({ "ours": paths }) })
 }
 
 /// The keys behind a path as `plan`, `why` and `trace` print it, `evaluate.nominal.episodes`: the name of a
@@ -163,6 +190,8 @@ fn advice(word: &str) -> String {
     known.extend(vocabulary().sections.iter().map(|section| section.name.to_owned()));
     known.extend(keys::keys().into_iter().flat_map(|key| [key.name().to_owned(), key.path]));
     known.extend(suites::WORDS.map(str::to_owned));
+    let names = PARTS.iter().flat_map(|part| part.rows).flat_map(|row| row.theirs);
+    known.extend(names.map(|name| (*name).to_owned()));
     known.extend(UNITS.iter().flat_map(|unit| [unit.symbol.to_owned(), unit.name.to_owned()]));
     known.sort();
     known.dedup();
@@ -179,5 +208,35 @@ fn advice(word: &str) -> String {
         [] => "`specforge list` prints the kinds, `specforge list codes`, `keys` and `units` the rest"
             .to_owned(),
         near => format!("did you mean {}?", near.join(" or ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_other_programs_lead_to_pages_that_exist() {
+        for row in PARTS.iter().flat_map(|part| part.rows) {
+            for path in row.ours {
+                assert!(!pages(&synonyms::shown(path)).is_empty(), "{path} does not exist");
+            }
+        }
+    }
+
+    #[test]
+    fn words_that_people_look_for_are_explained() {
+        for (word, path) in [
+            ("pushes", "randomize.push"),
+            ("curriculum", "fine_tune"),
+            ("finetune", "fine_tune"),
+            ("num_envs", "learn.environments"),
+            ("entropy_coef", "action.std"),
+            ("action_scale", "action.scale"),
+        ] {
+            let page = &pages(word)[0];
+            assert!(page.what == "synonym" && page.text.contains(path), "{word}: {}", page.text);
+        }
+        assert_eq!(pages("fine-tune")[0].text, pages("fine_tune")[0].text);
     }
 }

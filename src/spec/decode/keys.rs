@@ -8,6 +8,7 @@ use crate::diag::{Diagnostic, MOST_OF_A_CODE, Span};
 use crate::spec::marks::below;
 use crate::spec::mistake::{DERIVED, Wording};
 use crate::spec::suggest::{listed, nearest};
+use crate::spec::synonyms;
 use crate::spec::{Edition, Kind, Param, Ty};
 use crate::syntax::{Entry, Item, Layer, Map, Node};
 
@@ -92,7 +93,9 @@ impl Decoder<'_> {
         if let Some(error) = derived(&path, entry) {
             return error;
         }
-        let near = nearest(key, free.iter().copied());
+        let synonym = synonyms::here(key, place.path, free.iter().copied());
+        let elsewhere = if synonym.is_none() { synonyms::elsewhere(key) } else { None };
+        let near = synonym.or_else(|| nearest(key, free.iter().copied())).filter(|_| elsewhere.is_none());
         let owners = if near.is_none() { owners(key, place) } else { Vec::new() };
         if matches!(entry.node.layer, Layer::Point | Layer::Set) && owners.is_empty() {
             let error = Diagnostic::error("E0604", format!("unknown path `{path}`")).at(entry.key, "");
@@ -100,7 +103,10 @@ impl Decoder<'_> {
                 Some(name) => {
                     error.help(format!("did you mean `{}`?", below(place.path, name))).fix(entry.key, name)
                 }
-                None => error.help(format!("the keys of `{}` are {}", place.path, listed(sorted(names)))),
+                None => match elsewhere {
+                    Some(help) => error.help(help),
+                    None => error.help(format!("the keys of `{}` are {}", place.path, listed(sorted(names)))),
+                },
             };
         }
         if !owners.is_empty() {
@@ -116,6 +122,7 @@ impl Decoder<'_> {
         }
         match near {
             Some(name) => error.help(format!("did you mean `{name}`?")).fix(entry.key, name),
+            None if elsewhere.is_some() => error.help(elsewhere.unwrap_or_default()),
             None if names.is_empty() => error.help("remove it: this table has no keys"),
             None if free.is_empty() => {
                 error.help(format!("remove it: the valid keys are {}", listed(sorted(names))))
@@ -241,7 +248,8 @@ impl Decoder<'_> {
                     false => format!("unknown {} `{word}`", registry.noun),
                 };
                 let error = Diagnostic::error(if set { "E0604" } else { "E0301" }, message).at(at, "");
-                match nearest(word, kinds()) {
+                let section = path.split('.').next().unwrap_or_default();
+                match synonyms::here(word, section, kinds()).or_else(|| nearest(word, kinds())) {
                     Some(kind) if map.entries.contains_key("kind") => {
                         error.help(format!("did you mean `{kind}`?")).fix(at, format!("\"{kind}\""))
                     }
