@@ -28,6 +28,11 @@ const EDITS: &[Edit] = &[
     ),
     edit(
         "E0102",
+        "[randomize.link_mass]\nrange = [0.5, 1.25]",
+        "[randomize.link_mass]\nscale = { uniform = [0.5, 1.25] }",
+    ),
+    edit(
+        "E0102",
         "randomize.m = { kind = \"link_mass\", range = [0.5, 1.25] }",
         "randomize.m = { kind = \"link_mass\", scale = { uniform = [0.5, 1.25] } }",
     ),

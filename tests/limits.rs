@@ -476,7 +476,8 @@ fn suite_codes(sweep: &str) -> Vec<&'static str> {
     let text =
         format!("spec = 1\nsuite = \"s\"\nsummary = \"x\"\nextends = \"whole.toml\"\n[sweep]\n{sweep}");
     let found = suite_in(&files(&text), Path::new("spec.toml"), &LoadOptions::default());
-    assert!(!found.sink.has_errors() || found.arms.is_empty(), "nothing is expanded");
+    // What exceeds a limit is left out: at most the points of the one sound axis remain.
+    assert!(!found.sink.has_errors() || found.arms.len() <= 2, "{} arms", found.arms.len());
     let mut codes: Vec<&str> = found.sink.diagnostics.iter().map(|found| found.code).collect();
     codes.dedup();
     codes
@@ -500,7 +501,7 @@ fn runs_are_counted_before_they_are_made() {
         (0..9000).map(|number| axis(&format!("a{number}"), &format!("learn.x{number}"), 1)).collect();
     assert_eq!(suite_codes(&axes), ["E0009"]);
     let patterns = "[[sweep.include]]\na = \"8192\"\n".repeat(20_000);
-    assert_eq!(suite_codes(&format!("{}{patterns}", axis("a", "learn.rollout", 2))), ["E0009"]);
+    assert_eq!(suite_codes(&format!("{}{patterns}", axis("a", "learn.rollout", 1))), ["E0009"]);
     let same: String = (0..900).map(|number| format!("[sweep.a.p{number}]\nlearn.seed = 1\n")).collect();
     assert_eq!(suite_codes(&same), ["E0104"]);
 }

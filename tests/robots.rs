@@ -278,7 +278,7 @@ fn a_projects_robot_is_listed_and_one_that_replaces_a_shipped_robot_is_told_ever
     let imported = specforge(folder.path(), &arguments);
     let text = told(&imported);
     assert!(code(&imported) == 0 && text.contains("warning[W0421]") && text.contains("--name"), "{text}");
-    let replaced = "`robots/g1.toml` replaces the robot `g1` that comes with specforge";
+    let replaced = "`robots/g1.toml` replaces the built-in robot `g1`";
     let shown = specforge(folder.path(), &["robot", "show", "g1"]);
     assert!(code(&shown) == 0 && told(&shown).contains(replaced), "{}", told(&shown));
     let listed = told(&specforge(folder.path(), &["list", "robots"]));
@@ -324,5 +324,5 @@ fn a_projects_motion_is_listed_and_one_that_replaces_a_shipped_motion_is_told() 
     let new = specforge(folder.path(), &["new", "squat.toml", "--robot", "tocabi", "--task", "squat"]);
     assert_eq!(code(&new), 0, "{}", told(&new));
     let checked = told(&specforge(folder.path(), &["check", "squat.toml"]));
-    assert!(checked.contains("W0421") && checked.contains("the motion `squat`"), "{checked}");
+    assert!(checked.contains("W0421") && checked.contains("the built-in motion `squat`"), "{checked}");
 }

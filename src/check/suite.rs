@@ -26,7 +26,8 @@ pub struct CheckedSuite {
     pub sources: Sources,
     /// Everything that was found, each mistake once however many arms share it.
     pub sink: Sink,
-    /// The suite; absent when its file or its sweep could not be understood.
+    /// The suite; absent when its file could not be understood. With mistakes in its sweep, which `grasp` tells,
+    /// the arms are those of the rest.
     pub suite: Option<Suite>,
     /// Its arms in the order of the sweep; complete only when the sink has no errors.
     pub arms: Vec<CheckedArm>,

@@ -265,15 +265,17 @@ impl Decoder<'_> {
 }
 
 /// The key that a range such as `range = [0.5, 1.25]` is the value of: the only one of the kind that takes a
-/// distribution, if it is missing.
+/// distribution, if this file does not set it.
 fn range_of(key: &str, entry: &Entry, map: &Map, place: &Place<'_>) -> Option<&'static str> {
     let is_range = matches!(key, "range" | "bounds" | "limits" | "uniform" | "normal")
         && matches!(&entry.node.item, Item::List(items) if items.len() == 2)
         && entry.key.source == entry.node.span.source
         && entry.key.end <= entry.node.span.start;
     let mut sampled = place.kind?.params.iter().filter(|param| matches!(param.ty, Ty::Sampler(_)));
+    // A parent's value is replaced, one of the same file is kept.
+    let is_free = |name: &str| map.get(name).is_none_or(|node| node.span.source != entry.key.source);
     match (sampled.next(), sampled.next()) {
-        (Some(param), None) if is_range && map.get(param.name).is_none() => Some(param.name),
+        (Some(param), None) if is_range && is_free(param.name) => Some(param.name),
         _ => None,
     }
 }

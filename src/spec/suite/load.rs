@@ -29,7 +29,8 @@ pub struct LoadedSuite {
     pub sources: Sources,
     /// What was found in the suite itself.
     pub sink: Sink,
-    /// The suite; absent when its file or its sweep could not be understood.
+    /// The suite; absent when its file could not be understood. With mistakes in its sweep, which `grasp` tells,
+    /// the arms are those of the rest.
     pub suite: Option<Suite>,
     /// Its arms in the order of the sweep.
     pub arms: Vec<LoadedArm>,
