@@ -183,7 +183,7 @@ fn sources_and_specs_name_pages_that_exist() {
         for (at, _) in text.match_indices("docs/") {
             let word: String = text[at..].chars().take_while(|c| page(*c)).collect();
             let word = word.trim_end_matches(['.', '/']);
-            let within = text[..at].chars().next_back().is_some_and(|before| page(before));
+            let within = text[..at].chars().next_back().is_some_and(page);
             if !within && word.ends_with(".md") && !root().join(word).exists() {
                 missing.push(format!("{}: {word}", shown(&path)));
             }
