@@ -137,7 +137,7 @@ fn absurd_numbers_are_out_of_range_with_both_bounds_and_few_digits() {
         let output = specforge(&["check", SPEC, "--set", &format!("{path}={value}")]);
         let told = text(&output.stderr);
         assert!(
-            told.contains("error[E0204]") && told.contains(&format!("it is {bounds}")),
+            told.contains("error[E0204]") && told.contains(&format!("it must be {bounds}")),
             "{path} {value}: {told}"
         );
         let message = told.lines().find(|line| line.starts_with("error[E0204]")).expect("the message");
