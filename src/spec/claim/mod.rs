@@ -629,7 +629,7 @@ impl Reading<'_> {
             _ => return None,
         };
         if quantity.si <= 0.0 && key != "effect" {
-            let error = Diagnostic::error("E0204", format!("`{key}` is out of range: it is above 0"));
+            let error = Diagnostic::error("E0204", format!("`{key}` is out of range: it must be above 0"));
             let help = match (key, quantity.si < 0.0) {
                 ("margin", true) => "write the distance without a sign: the relation says the direction",
                 ("margin", false) => "remove `margin`: without one nothing has to be exceeded",

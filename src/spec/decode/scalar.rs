@@ -315,7 +315,7 @@ pub fn in_range(si: f64, dimension: Dimension, node: &Node, param: &Param) -> Re
         "E0204",
         format!("`{}` is out of range: {}", param.name, quantity::written(&written)),
     );
-    let help = format!("it is {}", bounds::in_words(param, dimension));
+    let help = format!("it must be {}", bounds::in_words(param, dimension));
     let error = error.at(node.span, format!("{side} the range")).help(help);
     let degrees = si.to_radians();
     let meant = node.text().filter(|_| dimension == Dimension::ANGLE && low <= degrees && degrees <= high);

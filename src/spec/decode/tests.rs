@@ -145,7 +145,7 @@ fn units_that_are_missing_unknown_or_wrong_are_told_apart() {
 fn values_out_of_range_or_not_finite_are_refused() {
     let (diagnostic, place) = mistake("std = \"150 %\"");
     assert_eq!((diagnostic.code, place.as_str()), ("E0204", "\"150 %\""));
-    assert_eq!(diagnostic.help, ["it is between 0 % and 100 %"]);
+    assert_eq!(diagnostic.help, ["it must be between 0 % and 100 %"]);
     assert_eq!(mistake("samples = 0").0.code, "E0204");
     assert_eq!(mistake("policy.hidden = [0]").0.code, "E0204");
     assert_eq!(mistake("delay = \"1e999 s\"").0.code, "E0205");
