@@ -114,7 +114,9 @@ impl Decoder<'_> {
         }
         let whole = if place.path.is_empty() { String::new() } else { format!(" in `{}`", place.path) };
         let error = Diagnostic::error("E0102", format!("unknown key `{key}`{whole}")).at(entry.key, "");
-        if let Some(sampled) = range_of(key, entry, map, place).filter(|_| near.is_none()) {
+        // A range needs more than the other name: its value becomes a distribution.
+        let is_free = near.is_none() || synonym.is_some();
+        if let Some(sampled) = range_of(key, entry, map, place).filter(|_| is_free) {
             let word = if key == "normal" { "normal" } else { "uniform" };
             let written = format!("{sampled} = {{ {word} = {} }}", entry.node.toml());
             let span = Span { end: entry.node.span.end, ..entry.key };
