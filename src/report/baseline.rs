@@ -6,8 +6,8 @@ use crate::kinds::task::Task;
 use crate::spec::typed::InSection;
 use crate::spec::{Section, Table};
 
-/// Which of several baselines an arm is compared with: the first of its task that has its kind of action,
-/// else the first of its task.
+/// Picks the baseline of an arm: the first one with the same task and kind of action, else the first one with
+/// the same task.
 pub fn choice(baselines: &[Table], fields: &Table) -> Option<usize> {
     let of_task = || {
         baselines.iter().enumerate().filter(|(_, baseline)| kind::<Task>(baseline) == kind::<Task>(fields))
@@ -18,7 +18,7 @@ pub fn choice(baselines: &[Table], fields: &Table) -> Option<usize> {
         .map(|(place, _)| place)
 }
 
-/// The samples of an arm's training as a share of the baseline's.
+/// The samples of an arm's training as a share of its baseline's.
 pub fn budget_share(baseline: &Table, fields: &Table) -> Option<f64> {
     let whole = budget_of(baseline).filter(|samples| *samples > 0)?;
     Some(budget_of(fields)? as f64 / whole as f64)

@@ -18,15 +18,15 @@ pub struct Difference {
     pub metric: String,
     /// Its name in tables.
     pub label: String,
-    /// First minus second.
+    /// First policy minus second.
     pub difference: Estimate,
     /// Two-sided p of the exact test, for survival.
     pub p: Option<f64>,
-    /// Whether the interval leaves zero out.
+    /// Whether the interval excludes zero.
     pub established: bool,
 }
 
-/// Whether two evaluations ran the same episodes (same streams in the same order).
+/// Whether two evaluations ran the same episodes (same random streams in the same order).
 pub fn are_paired(first: &Evaluation, second: &Evaluation) -> bool {
     let streams = |evaluation: &Evaluation| -> Vec<String> {
         evaluation.episodes.iter().map(|episode| episode.stream.clone()).collect()
@@ -34,7 +34,7 @@ pub fn are_paired(first: &Evaluation, second: &Evaluation) -> bool {
     !first.episodes.is_empty() && streams(first) == streams(second)
 }
 
-/// The differences of the metrics that suit the task, first minus second.
+/// The differences in the metrics that suit the task, first policy minus second.
 pub fn differences(first: &Evaluation, second: &Evaluation, task: &str) -> Vec<Difference> {
     if first.episodes.is_empty() || second.episodes.is_empty() {
         return Vec::new();
@@ -56,10 +56,10 @@ pub fn differences(first: &Evaluation, second: &Evaluation, task: &str) -> Vec<D
         .collect()
 }
 
-/// Digits that the end of an interval next to zero may need beyond the metric's own.
+/// Extra digits that an interval end near zero may need.
 const MORE_DIGITS: usize = 3;
 
-/// With so many digits that an interval that leaves zero out does not read `[0, 0]`.
+/// Adds digits so that an interval that excludes zero is not printed as `[0, 0]`.
 fn told_from_zero(difference: Estimate) -> Estimate {
     let scale = if difference.unit == "%" { 100.0 } else { 1.0 };
     let nearest = difference.interval().map_or(0.0, |ends| scale * ends.low.abs().min(ends.high.abs()));
@@ -99,7 +99,7 @@ fn mean_difference(metric: &Metric, first: &Evaluation, second: &Evaluation) -> 
     estimate.within(unpaired_interval(&a, &b, metric.name))
 }
 
-/// The difference of two means is twice the mean over two strata, the second of which is negated.
+/// The difference of two means, as twice the mean over two strata with the second one negated.
 fn unpaired_interval(a: &[f64], b: &[f64], name: &str) -> Option<Interval> {
     let negated: Vec<f64> = b.iter().map(|value| -value).collect();
     let mut stream = Stream::new(&format!("report/bootstrap/{name}"));

@@ -1,5 +1,4 @@
-//! Links inside each other: what a reader must know of runs that have them, and of runs of which nobody
-//! knows.
+//! Warnings about runs with self-collisions, and about runs whose self-collisions are unknown.
 
 use super::measurable::is_blind;
 use super::metric::average;
@@ -10,8 +9,8 @@ use crate::kinds::terminate::Terminations;
 use crate::kinds::terminate::self_collision::SelfCollision;
 use crate::spec::typed::Declared;
 
-/// A sentence on the runs with links inside each other, on those at which nobody looked, and on those whose
-/// robots have no shapes to look at.
+/// Sentences on the runs with self-collisions, on those where self-collisions were not measured, and on those
+/// whose robots have no collision shapes.
 pub fn warnings(runs: &[&Arm]) -> Vec<String> {
     let crossing: Vec<f64> =
         runs.iter().filter_map(|run| most(run)).filter(|share| *share > INSIDE).collect();
@@ -38,7 +37,7 @@ pub fn warnings(runs: &[&Arm]) -> Vec<String> {
     crossing.into_iter().chain(unseen).chain(unmeasurable(runs)).collect()
 }
 
-/// The sentence on runs whose robots have no shapes to look at.
+/// The sentence on runs whose robots have no collision shapes.
 pub fn unmeasurable(runs: &[&Arm]) -> Option<String> {
     let blind = runs.iter().filter(|run| is_blind(run) && !run.evaluations.is_empty()).count();
     let of_all = if runs.len() > 1 { format!(" (in {blind} of {} runs)", runs.len()) } else { String::new() };
@@ -51,8 +50,8 @@ pub fn unmeasurable(runs: &[&Arm]) -> Option<String> {
     })
 }
 
-/// Takes from the evaluations of a robot without shapes that its links were apart: nobody can know. Feet that
-/// passed through each other stay.
+/// Marks self-collisions as not measured for a robot without collision shapes, where a low share means
+/// nothing. Shares above the limit stay: its feet passed through each other.
 pub fn forget(run: &mut Arm) {
     if !is_blind(run) {
         return;
@@ -68,7 +67,7 @@ fn moves(run: &Arm) -> bool {
     run.travels() && !run.evaluations.is_empty()
 }
 
-/// The largest share of the time with links inside each other that an evaluation of the run measured.
+/// The largest share of time in self-collision that an evaluation of the run measured.
 fn most(run: &Arm) -> Option<f64> {
     run.evaluations
         .iter()

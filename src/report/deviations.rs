@@ -1,5 +1,5 @@
-//! What a page says was done in another way than in its baseline: what spec and baseline declare, and the
-//! keys in whose values an arm differs from its baseline, in the words of the keys' own documentation.
+//! Deviations from the baseline: those that spec and baseline declare, and the keys whose values differ,
+//! described by the keys' own documentation.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,14 +11,14 @@ use crate::kinds::vocabulary::vocabulary;
 use crate::spec::section::Report;
 use crate::spec::{Section, Shape, Table, Ty, Value, Vocabulary};
 
-/// What makes no other experiment: names, pages, and how policies are measured and passed on, which have
-/// sections of their own on a page.
+/// Keys that do not define an experiment: names, pages, and evaluation and deployment, which have sections of
+/// their own on a page.
 const NOT_COMPARED: [&str; 7] = ["name", "summary", "spec", "report", "allow", "evaluate", "deploy"];
 
-/// Nor does the seed, of which an experiment has several.
+/// Not compared either: an experiment has several seeds.
 const SEED: &str = "learn.seed";
 
-/// The sentences: what the spec declares, what its baselines declare, and the differences by key.
+/// Sentences: what the spec declares, what its baselines declare, and the differences by key.
 pub fn sentences(input: &ReportInput) -> Vec<String> {
     let own = input.deviations.iter().cloned();
     let declared = |baseline: &Table| Section::new(baseline).at(Report::deviations).unwrap_or_default();
@@ -54,18 +54,18 @@ fn used(input: &ReportInput) -> impl Iterator<Item = &Table> {
 struct Difference {
     /// The path.
     path: String,
-    /// What it is, by its documentation.
+    /// The meaning, from the documentation.
     meaning: String,
-    /// The baseline's value; none where it has no such key.
+    /// The baseline's value; `None` if it lacks the key.
     baseline: Option<String>,
-    /// The arm's.
+    /// The arm's value.
     own: Option<String>,
 }
 
-/// A sentence for each key and value of a baseline that some arms have in another way.
+/// One sentence for each key and baseline value from which some arms differ.
 fn differences(input: &ReportInput) -> Vec<String> {
     let language = Language::new();
-    // By everything but the arm's value, the values with the number of arms.
+    // The arms' values, each with the number of arms, grouped by everything else.
     let mut found: BTreeMap<Difference, Vec<(Option<String>, usize)>> = BTreeMap::new();
     for arm in &input.arms {
         let Some(baseline) = arm.baseline.and_then(|place| input.baselines.get(place)) else { continue };
@@ -97,7 +97,7 @@ fn sentence(difference: &Difference, values: &[(Option<String>, usize)], arms: u
     format!("{key}: {}; {baseline}.", own.join(", "))
 }
 
-/// What the descriptors say of paths.
+/// What the descriptors say about paths.
 struct Language {
     vocabulary: Vocabulary,
     keys: BTreeMap<String, Vec<Key>>,
@@ -126,12 +126,12 @@ struct Comparison<'a> {
 }
 
 impl Comparison<'_> {
-    /// Compares two tables at a path, of which one may be absent.
+    /// Compares two tables at a path. One of them may be missing.
     fn compare(&mut self, path: &str, baseline: Option<&Table>, own: Option<&Table>) {
         let empty = Table::new();
         let (left, right) = (baseline.unwrap_or(&empty), own.unwrap_or(&empty));
         let kinds = [left, right].map(|table| Section::new(table).kind().map(str::to_owned));
-        // What only one kind has is not told beside the kind.
+        // If the kinds differ, keys that only one of them has are not listed.
         let same_kind = kinds[0] == kinds[1];
         let keys: BTreeSet<&String> = left.keys().chain(right.keys()).collect();
         for key in keys {
@@ -143,7 +143,7 @@ impl Comparison<'_> {
                 (Some(Value::Table(left)), Some(Value::Table(right))) => {
                     self.compare(&below, Some(left), Some(right));
                 }
-                // The terms of a section that only one of the two has are told one by one.
+                // A section of terms that is missing on one side is compared term by term.
                 (Some(Value::Table(left)), None) if self.is_terms(&below) => {
                     self.compare(&below, Some(left), None);
                 }
@@ -187,7 +187,7 @@ impl Comparison<'_> {
         Difference { path, meaning, baseline, own }
     }
 
-    /// The key at a path; of a term the key of its kind, or one that all kinds of terms have.
+    /// The key at a path; for a term, the key of its kind or one that all kinds of terms have.
     fn key(&self, path: &str) -> Option<&Key> {
         let mut steps = path.splitn(3, '.');
         let section = steps.next()?;
@@ -206,7 +206,7 @@ impl Comparison<'_> {
         of_kind(path).or_else(of_term)
     }
 
-    /// What a whole table is: the title of its kind's page.
+    /// The meaning of a whole table: the title of its kind's page.
     fn kind_of(&self, path: &str, kind: Option<&str>) -> String {
         let (section, term) = path.split_once('.').unwrap_or((path, path));
         let kinds = self.language.vocabulary.kinds(section);
@@ -215,8 +215,8 @@ impl Comparison<'_> {
         kind.map_or(String::new(), |kind| first_sentence(reference::summary(kind)))
     }
 
-    /// The value of a name with its unit, as its author wrote it where that is kept. A term that is called as
-    /// its kind does not repeat it.
+    /// A value with its unit, as its author wrote it if known. The kind of a term is omitted if it equals the
+    /// term's name.
     fn written(&self, value: &Value, name: &str, key: Option<&Key>) -> String {
         match value {
             Value::Table(table) => {
@@ -240,7 +240,7 @@ impl Comparison<'_> {
     }
 }
 
-/// The unit in which the draws of a key's distribution are printed.
+/// The unit in which the distribution of a key is printed.
 fn unit(ty: &Ty) -> Option<String> {
     match ty {
         Ty::Sampler(dimension) => Some(dimension.unit()),
@@ -255,7 +255,7 @@ fn first_sentence(doc: &str) -> String {
     first.trim_end_matches(['.', ':']).to_owned()
 }
 
-/// Whether two values are the same, counts and numbers alike.
+/// Whether two values are equal; a count may equal a number.
 fn same(one: &serde_json::Value, other: &serde_json::Value) -> bool {
     use serde_json::Value as Json;
     match (one, other) {
@@ -267,7 +267,7 @@ fn same(one: &serde_json::Value, other: &serde_json::Value) -> bool {
                 && one.iter().all(|(key, one)| other.get(key).is_some_and(|other| same(one, other)))
         }
         _ => match (one.as_f64(), other.as_f64()) {
-            // A value that was written in another unit differs by a rounding.
+            // Values written in different units differ by rounding.
             (Some(one), Some(other)) => (one - other).abs() <= 1e-9 * other.abs(),
             _ => one == other,
         },
@@ -283,7 +283,7 @@ mod tests {
     use crate::report::model::Arm;
     use crate::spec::{LoadOptions, load};
 
-    /// The values of a shipped spec under a profile, which may be empty.
+    /// The values of a shipped spec under a profile; an empty string means no profile.
     fn spec(name: &str, profile: &str) -> Table {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("specs").join(name);
         let profile = (!profile.is_empty()).then(|| profile.to_owned());

@@ -1,5 +1,5 @@
-//! Digests of a report's page and figures in its record, by which `specforge report --check` finds files that
-//! were edited after they were rendered.
+//! Digests of a report's page and figures, stored in its record: `specforge report --check` uses them to find
+//! files that were edited after rendering.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,10 +9,10 @@ use super::file::ReportFile;
 use crate::bounded;
 use crate::safe_fs;
 
-/// Digests by the path of the file in the folder of reports.
+/// Digests by path in the folder of reports.
 pub type Digests = BTreeMap<String, String>;
 
-/// A file of a report that is not as it was rendered.
+/// A file of a report that was changed after rendering.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
     /// Its path in the folder of reports.
@@ -26,7 +26,7 @@ pub fn of(files: &[ReportFile]) -> Digests {
     files.iter().map(|file| (file.path.display().to_string(), digest(file.text.as_bytes()))).collect()
 }
 
-/// The files that are not as they were rendered, by the digests of their record.
+/// The files that differ from the digests in their record.
 pub fn differences(folder: &Path, digests: &Digests) -> Vec<Difference> {
     digests.iter().filter_map(|(file, digest)| difference(folder, file, digest)).collect()
 }
@@ -45,8 +45,7 @@ fn difference(folder: &Path, file: &str, expected: &str) -> Option<Difference> {
     }
 }
 
-/// The digest of a file. The notice that `report --index` writes into pages of earlier rules is no part of
-/// it.
+/// The digest of a file, ignoring the notice that `report --index` adds to pages judged by earlier rules.
 fn digest(bytes: &[u8]) -> String {
     let rendered = std::str::from_utf8(bytes).ok().and_then(earlier::unmarked);
     blake3::hash(rendered.as_deref().map_or(bytes, str::as_bytes)).to_hex().to_string()

@@ -1,10 +1,10 @@
-//! Pages that were judged by earlier rules: each says so at its top.
+//! The notice at the top of pages that were judged by earlier rules.
 
-/// What such a page says.
+/// The notice.
 pub const NOTICE: &str = "This page was judged by earlier rules: its record has no per-seed values, so its \
     verdicts cannot be computed again.";
 
-/// The page with the notice below its title; `None` when it is there already, or the page has no title.
+/// Adds the notice below the title; `None` if the page already has it or has no title.
 pub fn marked(page: &str) -> Option<String> {
     if page.lines().any(|line| line == NOTICE) {
         return None;
@@ -14,7 +14,7 @@ pub fn marked(page: &str) -> Option<String> {
     Some(format!("{title}\n{NOTICE}\n{rest}"))
 }
 
-/// The page without the notice; `None` when it has none.
+/// Removes the notice; `None` if the page does not have it.
 pub fn unmarked(page: &str) -> Option<String> {
     let notice = format!("\n{NOTICE}\n");
     page.contains(&notice).then(|| page.replacen(&notice, "", 1))

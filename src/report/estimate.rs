@@ -1,5 +1,4 @@
-//! A number with its unit, its interval and the size of the sample behind it: how every value reaches a
-//! template.
+//! A number with its unit, interval and sample size: the form of every value in a template.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,25 +6,25 @@ use crate::statistics::summary::mean;
 use crate::statistics::{CONFIDENCE, Interval, mean::bootstrap, proportion::wilson};
 use crate::stream::Stream;
 
-/// A number as a report knows it.
+/// A number in a report.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
-    /// The value in SI units; a share for the unit `%`. Absent when nothing was measured.
+    /// The value in SI units; a fraction for the unit `%`. Absent if not measured.
     pub value: Option<f64>,
     /// Lower end of the 95 % interval.
     pub low: Option<f64>,
     /// Upper end of the 95 % interval.
     pub high: Option<f64>,
-    /// Number of observations behind it, when it is a statistic.
+    /// Number of observations, for a statistic.
     pub n: Option<usize>,
     /// Its unit; empty for a pure number.
     pub unit: String,
-    /// Decimals worth printing (of percents for the unit `%`).
+    /// Number of decimals to print (of per cents for the unit `%`).
     pub digits: usize,
 }
 
 impl Estimate {
-    /// A number that was not estimated.
+    /// A number without interval or sample size.
     pub fn exact(value: f64, unit: &str, digits: usize) -> Self {
         Self { value: Some(value), unit: unit.to_string(), digits, ..Self::default() }
     }
@@ -35,7 +34,7 @@ impl Estimate {
         Self { value, unit: unit.to_string(), digits, ..Self::default() }
     }
 
-    /// A share of successes with Wilson's interval.
+    /// A share of successes with its Wilson interval.
     pub fn share(outcomes: &[bool]) -> Self {
         let (successes, n) = (outcomes.iter().filter(|outcome| **outcome).count(), outcomes.len());
         let interval = (n > 0).then(|| wilson(successes as u64, n as u64, CONFIDENCE));
@@ -43,8 +42,8 @@ impl Estimate {
         Self { value, n: Some(n), unit: "%".to_string(), ..Self::default() }.within(interval)
     }
 
-    /// A mean with its bootstrap interval. `name` is what is measured and names the random stream: not the
-    /// place where the number stands, so that it has one interval wherever it does.
+    /// A mean with its bootstrap interval. `name` is the measured quantity and seeds the random stream, so
+    /// that the interval is the same wherever the number is printed.
     pub fn mean(values: &[f64], unit: &str, digits: usize, name: &str) -> Self {
         let interval =
             bootstrap(&[values], CONFIDENCE, &mut Stream::new(&format!("report/bootstrap/{name}")));
@@ -52,7 +51,7 @@ impl Estimate {
         Self { unit: unit.to_string(), digits, ..empty }.within(interval)
     }
 
-    /// The same with an interval.
+    /// The same number with this interval.
     pub fn within(self, interval: Option<Interval>) -> Self {
         Self { low: interval.map(|ends| ends.low), high: interval.map(|ends| ends.high), ..self }
     }

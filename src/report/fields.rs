@@ -25,14 +25,14 @@ fn collect<'a>(table: &'a Table, prefix: &str, fields: &mut Vec<Field<'a>>) {
     }
 }
 
-/// Whether a path is one of these paths or lies below one.
+/// Whether a path equals one of these paths or lies below one.
 pub fn lies_in(path: &str, roots: &[String]) -> bool {
     roots.iter().any(|root| {
         path.strip_prefix(root.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
     })
 }
 
-/// The origin of a value: that of its own path or of the nearest table above it.
+/// The origin of a value: that of its own path or of its nearest parent table.
 pub fn origin<'a>(arm: &'a Arm, path: &str) -> &'a str {
     let mut path = path;
     loop {
@@ -46,8 +46,8 @@ pub fn origin<'a>(arm: &'a Arm, path: &str) -> &'a str {
     }
 }
 
-/// Paths whose values are not the same in all arms; names and summaries aside. A missing value differs
-/// from any other.
+/// Paths whose values differ between arms, except names and summaries. A missing value differs from any
+/// other.
 pub fn differing<A: Borrow<Arm>>(arms: &[A]) -> Vec<String> {
     let flats: Vec<Vec<Field>> = arms.iter().map(|arm| flat(&arm.borrow().fields)).collect();
     let mut paths: Vec<&String> = flats.iter().flatten().map(|(path, _)| path).collect();

@@ -1,4 +1,4 @@
-//! A file that a report is made of.
+//! A file of a report.
 
 use std::path::PathBuf;
 

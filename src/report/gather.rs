@@ -1,4 +1,4 @@
-//! Gathers what a report is rendered from: the plan's records of the arms and the artefacts in the store.
+//! Collects the input of a report: the plan's records of the arms and the artefacts in the store.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -19,10 +19,10 @@ use crate::spec::section::Report;
 use crate::spec::typed::Key;
 use crate::spec::{Section, Table, Value};
 
-/// The low-level law of a decoded spec in words.
+/// Describes the low-level control law of a decoded spec in words.
 pub type Law = fn(&Table) -> Option<String>;
 
-/// The input of the report that a job is to render.
+/// The input of the report that a job renders.
 pub fn gather(job: &Job, law: Law) -> Result<ReportInput, WorkError> {
     let mut arms = job.plan.arms.iter().map(|record| arm(job, record, law)).collect::<Result<Vec<_>, _>>()?;
     let baselines = baselines(job.fields);
@@ -37,7 +37,7 @@ pub fn gather(job: &Job, law: Law) -> Result<ReportInput, WorkError> {
     let named = named(job.plan);
     Ok(ReportInput {
         name,
-        // What was put together on the command line has no summary of its own.
+        // A combination of specs on the command line has no summary of its own.
         summary: if named > 1 { each(&arms) } else { text(&["summary"]) },
         specs: arms.iter().take(named).map(|arm| arm.spec.clone()).collect(),
         places: job.plan.arms.iter().take(named).map(|arm| arm.request.place.clone()).collect(),
@@ -55,8 +55,8 @@ pub fn gather(job: &Job, law: Law) -> Result<ReportInput, WorkError> {
     })
 }
 
-/// How many files a user names to run this again: the suite, the first arm's, which names what it is compared
-/// with, or all when no spec does.
+/// How many files the command names: only the suite, or only the first arm if it lists its comparisons, else
+/// all arms.
 pub fn named(plan: &Plan) -> usize {
     let count = plan.arms.len();
     let compares = plan
@@ -135,12 +135,12 @@ fn arm(job: &Job, record: &ArmRecord, law: Law) -> Result<Arm, WorkError> {
     Ok(arm)
 }
 
-/// By what evaluations are sorted: that of the task comes first, transfers come last.
+/// Sort key of evaluations: the nominal one comes first, transfers come last.
 fn order(stage: &str) -> (bool, bool, Vec<(&str, u64)>) {
     (stage != "evaluate.nominal", stage.starts_with("deploy."), natural(stage))
 }
 
-/// A name as texts with the numbers that follow them, so that `load_5` comes before `load_10`.
+/// Splits a name into texts and the numbers after them, so that `load_5` sorts before `load_10`.
 fn natural(name: &str) -> Vec<(&str, u64)> {
     let is_digit = |character: char| character.is_ascii_digit();
     let (mut parts, mut rest) = (Vec::new(), name);
@@ -153,7 +153,7 @@ fn natural(name: &str) -> Vec<(&str, u64)> {
     parts
 }
 
-/// What the checks of both trainings found; of the fine-tuning it is said that it is its.
+/// Findings of the run-time checks in both trainings; those in the fine-tuning say so.
 fn findings<'a>(folder: impl Fn(&str) -> Option<&'a Path>) -> Result<Option<Vec<Finding>>, WorkError> {
     let of = |training: Training| -> Result<Option<Vec<Finding>>, WorkError> {
         let summary = artefact::<Findings>(folder(training.stage()), "summary.json")?;
@@ -171,14 +171,14 @@ fn findings<'a>(folder: impl Fn(&str) -> Option<&'a Path>) -> Result<Option<Vec<
     })
 }
 
-/// What a report reads of `summary.json`.
+/// The part of `summary.json` that a report uses.
 #[derive(serde::Deserialize)]
 struct Findings {
     #[serde(default)]
     warnings: Option<Vec<Finding>>,
 }
 
-/// A JSON file of an artefact; `None` when the artefact or the file is not there.
+/// A JSON file of an artefact; `None` if the artefact or the file is missing.
 fn artefact<T: DeserializeOwned>(folder: Option<&Path>, file: &str) -> Result<Option<T>, WorkError> {
     let Some(text) = text_file(folder, file)? else { return Ok(None) };
     serde_json::from_str(&text).map(Some).map_err(|error| WorkError::failed(format!("{file}: {error}")))
@@ -198,7 +198,7 @@ fn text_file(folder: Option<&Path>, file: &str) -> Result<Option<String>, WorkEr
     }
 }
 
-/// The stages of an arm that are in the store, in the order of the plan.
+/// The stages of an arm that are in the store, in plan order.
 fn stages(job: &Job, record: &ArmRecord) -> Result<Vec<StageRecord>, WorkError> {
     let mut records = Vec::new();
     let fields = record.fields.table();
@@ -226,8 +226,8 @@ fn stages(job: &Job, record: &ArmRecord) -> Result<Vec<StageRecord>, WorkError> 
     Ok(records)
 }
 
-/// What a stage declares as paths in the spec: `evaluate` of the stage `evaluate.nominal` is that table, and
-/// the world of a fine-tuning has some of its values from keys of its own.
+/// The declared fields of a stage as paths in the spec: `evaluate` of the stage `evaluate.nominal` is that
+/// table, and the environment of a fine-tuning has some keys of its own.
 fn spec_fields((kind, stage): (StageKind, &str), spec: &Table) -> Vec<String> {
     let declared = kind.facts().fields.iter();
     match kind {
@@ -242,14 +242,14 @@ fn spec_fields((kind, stage): (StageKind, &str), spec: &Table) -> Vec<String> {
     }
 }
 
-/// The keys with which a fine-tuning replaces values of the first training's world, by the path of what they
-/// replace.
+/// The keys with which a fine-tuning replaces values of the first training's environment, by the replaced
+/// path.
 fn tuned(spec: &Table) -> BTreeMap<String, String> {
     Section::new(spec).within::<FineTuning>().map(replaced).into_iter().flatten().collect()
 }
 
-/// A path of the training's world as paths in the spec of a fine-tuning: what one of these keys replaces is
-/// that key, and a table with such a value in it is told value by value.
+/// Converts a path of the first training's environment to paths for the fine-tuning: a replaced value becomes
+/// the key that replaces it, and a table with a replaced value is split into its values.
 fn spelled(path: &str, value: Option<&Value>, own: &BTreeMap<String, String>) -> Vec<String> {
     let below = format!("{path}.");
     match (own.get(path), value) {
@@ -262,7 +262,7 @@ fn spelled(path: &str, value: Option<&Value>, own: &BTreeMap<String, String>) ->
     }
 }
 
-/// What failed; without failures, the first stage that nobody has run.
+/// The failures, or if there are none, the first stage that has not been run.
 fn failures(job: &Job, record: &ArmRecord, paths: &Paths) -> Vec<Failure> {
     let of_arm = job.failures.iter().filter(|failure| failure.arms.contains(&record.name));
     let failed: Vec<Failure> = of_arm

@@ -1,4 +1,4 @@
-//! The result in a few sentences, computed from the evaluations: what each arm does, and what it does not.
+//! The result in a few sentences, computed from the evaluations: what each arm does and fails to do.
 
 use super::metric::Metric;
 use super::model::{Arm, Measured, ReportInput};
@@ -36,7 +36,7 @@ fn paragraph(arm: &Arm, name: &str) -> String {
     text
 }
 
-/// What the same policy does in another evaluation.
+/// The result of the same policy in another evaluation.
 fn transfer(arm: &Arm, first: &Measured, measured: &Measured) -> String {
     let evaluation = &measured.evaluation;
     let verdict = judge(arm, evaluation);
@@ -49,7 +49,7 @@ fn transfer(arm: &Arm, first: &Measured, measured: &Measured) -> String {
     format!(" {place} it {}: {}", verdict.phrase(), evidence(arm, evaluation, &verdict))
 }
 
-/// Which part of the training was in an engine: a fine-tuning may leave that of the first part.
+/// In which part of the training the engine was used. A fine-tuning may use another engine.
 fn trained_there(arm: &Arm, engine: &str) -> &'static str {
     let is_this = |own: Option<EngineName>| own.is_some_and(|own| own.word() == engine);
     match (is_this(arm.section().at(Physics::engine)), is_this(arm.section().at(fine_tune::Ppo::engine))) {
@@ -59,7 +59,7 @@ fn trained_there(arm: &Arm, engine: &str) -> &'static str {
     }
 }
 
-/// What the same policy comes to under conditions that its task does not ask for.
+/// The result of the same policy under conditions that its task does not require.
 fn under(measured: &Measured, conditions: &str) -> String {
     let Measured { stage, evaluation } = measured;
     let share = |metric: &str| {

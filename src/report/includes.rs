@@ -1,25 +1,25 @@
-//! The templates that a template names: in `include`, `import`, `from` and `extends`.
+//! The templates that a template references with `include`, `import`, `from` and `extends`.
 
 use std::ops::Range;
 
 use minijinja::machinery::{Token, tokenize};
 use minijinja::syntax::SyntaxConfig;
 
-/// A template's name with its place in the text that names it.
+/// A template's name and its position in the text that references it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Named {
     /// The name.
     pub name: String,
-    /// The place of the name in bytes.
+    /// Byte range of the name.
     pub place: Range<usize>,
 }
 
-/// The names in a tag, of which one template at least must exist. A name that is computed is not known here.
+/// The names in a tag, at least one of which must exist. Computed names are unknown here.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Reference {
     /// The alternatives: `{% include ["own.md.j2", "run.md.j2"] %}` has two.
     pub names: Vec<Named>,
-    /// Whether none need exist: `ignore missing`.
+    /// Whether all of them may be missing: `ignore missing`.
     pub optional: bool,
 }
 
@@ -49,7 +49,7 @@ pub fn references(text: &str, syntax: &SyntaxConfig) -> Vec<Reference> {
 
 #[derive(Default)]
 struct Tag {
-    /// Its first word.
+    /// The first word of the tag.
     keyword: String,
     named: Vec<Named>,
     alternatives: bool,
@@ -77,7 +77,7 @@ impl Tag {
         match alternatives {
             _ if named.is_empty() => Vec::new(),
             true => vec![Reference { names: named, optional: missing }],
-            // `"a" if x else "b"`: each can be taken.
+            // `"a" if x else "b"`: either may be used.
             false => {
                 named.into_iter().map(|name| Reference { names: vec![name], optional: missing }).collect()
             }

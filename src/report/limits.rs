@@ -1,9 +1,8 @@
-//! What a template may use: nesting, steps, output, time and memory. A report is rendered from what a user
-//! wrote or copied, and the template engine alone bounds neither the stack of its parser nor what it
-//! computes.
+//! Limits on templates: nesting, steps, output, time and memory. A template may come from anywhere, and the
+//! template engine itself limits neither the stack of its parser nor its computations.
 //!
-//! Steps, output and, in the program, memory are counted, so that the same template is refused on every
-//! machine. Time is the last resort: one step can do the work of many (`replace`, `list`, `~`).
+//! Steps, output and (in the program) memory are counted, so that a template is refused on every machine or
+//! on none. Time is the last resort, as one step may do the work of many (`replace`, `list`, `~`).
 
 use std::io;
 use std::ops::Range;
@@ -20,37 +19,36 @@ use minijinja::{Environment, Error, ErrorKind, Value};
 
 use crate::{allocation, bounded};
 
-/// Most instructions of the template engine; the largest report takes some hundred thousand.
+/// Most instructions of the template engine; the largest report takes a few hundred thousand.
 const MOST_STEPS: u64 = 10_000_000;
 /// Largest output in bytes.
 const MOST_OUTPUT: usize = 64 << 20;
 /// Longest line in bytes; the template engine counts columns in 16 bits.
 const LONGEST_LINE: usize = 60_000;
-/// Most operators and brackets of one tag: each can be a level of the expression's tree.
+/// Most operators and brackets in a tag: each may add a level to the expression tree.
 const MOST_OPERATORS: usize = 1000;
-/// Most `elif` of a template: each is a level of the statement's tree.
+/// Most `elif` in a template: each adds a level to the statement tree.
 const MOST_BRANCHES: usize = 1000;
 /// Levels of macros and includes, as the template engine counts them.
 const DEEPEST: usize = 300;
-/// Stack in bytes of the thread that parses and renders. It is reserved, and used only where a template is
-/// nested.
+/// Stack of the parsing and rendering thread in bytes. It is reserved, and used only for nested templates.
 const STACK: usize = 64 << 20;
-/// Longest rendering.
+/// Longest rendering time.
 const LONGEST: Duration = Duration::from_secs(120);
-/// Memory in bytes that a rendering may hold.
+/// Most memory of a rendering in bytes.
 const MOST_MEMORY: usize = 512 << 20;
-/// The name of the thread that renders.
+/// The name of the rendering thread.
 const THREAD: &str = "template";
-/// How often time and memory are looked at.
+/// How often time and memory are checked.
 const GLANCE: Duration = Duration::from_millis(5);
 
-/// What limits an environment itself.
+/// Sets the limits that the environment itself supports.
 pub fn apply(environment: &mut Environment) {
     environment.set_fuel(Some(MOST_STEPS));
     environment.set_recursion_limit(DEEPEST);
 }
 
-/// What is nested too deeply in a template, and where; found without parsing it.
+/// What is nested too deeply in a template, and where, found without parsing it.
 pub fn crowded(text: &str, syntax: &SyntaxConfig) -> Option<(String, Range<usize>)> {
     let mut start = 0;
     for line in text.split_inclusive('\n') {
@@ -61,13 +59,13 @@ pub fn crowded(text: &str, syntax: &SyntaxConfig) -> Option<(String, Range<usize
         start += line.len();
     }
     let (mut operators, mut branches) = (0, 0);
-    // What is no token is told by the parser.
+    // The parser reports invalid tokens.
     for (token, span) in tokenize(text, false, syntax.clone()).map_while(Result::ok) {
         let range = span.start_offset as usize..span.end_offset as usize;
         match token {
             Token::VariableStart | Token::BlockStart => operators = 0,
             Token::Ident("elif") => branches += 1,
-            // Commas and colons separate values of one level.
+            // Commas and colons separate values on the same level.
             Token::TemplateData(_) | Token::VariableEnd | Token::BlockEnd | Token::Comma | Token::Colon => {}
             Token::Str(_) | Token::String(_) | Token::Int(_) | Token::Int128(_) | Token::Float(_) => {}
             Token::Ident(word) if !matches!(word, "not" | "and" | "or" | "is" | "in" | "if" | "else") => {}
@@ -83,7 +81,7 @@ pub fn crowded(text: &str, syntax: &SyntaxConfig) -> Option<(String, Range<usize
     None
 }
 
-/// Runs a function on a thread whose stack is large enough for every template that is not [`crowded`].
+/// Runs a function on a thread with enough stack for every template that is not [`crowded`].
 pub fn with_stack<T: Send>(run: impl FnOnce() -> T + Send) -> io::Result<T> {
     std::thread::scope(|scope| {
         let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run)?;
@@ -91,9 +89,9 @@ pub fn with_stack<T: Send>(run: impl FnOnce() -> T + Send) -> io::Result<T> {
     })
 }
 
-/// Renders a template within the limits. A rendering that takes too long or too much memory is left to
-/// itself: a thread cannot be stopped from outside, and it ends with the process, which has nothing to do
-/// without the report.
+/// Renders a template within the limits. A thread cannot be stopped from outside, so a rendering that takes
+/// too long or too much memory is abandoned. It ends with the process, which has nothing left to do without
+/// the report.
 pub fn render(environment: Environment<'static>, name: &str, variables: Value) -> Result<String, Error> {
     let (sender, receiver) = channel();
     let (name, is_full) = (name.to_owned(), Arc::new(AtomicBool::new(false)));
@@ -108,7 +106,7 @@ pub fn render(environment: Environment<'static>, name: &str, variables: Value) -
         };
         let rendered =
             allocation::limited(MOST_MEMORY, &full, || std::panic::catch_unwind(AssertUnwindSafe(render)));
-        // After the time limit nobody receives it.
+        // After the time limit the receiver is gone.
         let _ = sender.send(rendered.unwrap_or_else(|_| {
             Err(exceeded(
                 "the template engine failed: a number in the template may be too large for it".into(),
@@ -129,7 +127,7 @@ pub fn render(environment: Environment<'static>, name: &str, variables: Value) -
             Err(RecvTimeoutError::Timeout) if start.elapsed() > LONGEST => {
                 format!("rendering takes more than {} s", LONGEST.as_secs())
             }
-            // Without the program's allocator only what the whole process holds is known.
+            // Without the program's allocator only the memory of the whole process is known.
             Err(RecvTimeoutError::Timeout)
                 if is_full.load(Ordering::SeqCst)
                     || resident_memory().saturating_sub(before) > MOST_MEMORY as u64 =>
@@ -142,7 +140,7 @@ pub fn render(environment: Environment<'static>, name: &str, variables: Value) -
     }
 }
 
-/// Lets a panic of the thread that renders be told as the template's error alone.
+/// Suppresses the panic message of the rendering thread, whose error is returned instead.
 fn keep_quiet() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
@@ -155,14 +153,14 @@ fn keep_quiet() {
     });
 }
 
-/// Whether an error of the template engine is one of a limit.
+/// Whether the template engine exceeded a limit.
 pub fn is_exceeded(error: &Error) -> bool {
     let detail = error.detail().unwrap_or_default();
     matches!(error.kind(), ErrorKind::OutOfFuel | ErrorKind::WriteFailure)
         || ["recursion limit", "too large", "too many elements"].iter().any(|words| detail.contains(words))
 }
 
-/// What limit an error of the template engine is about; `None` where it says it itself.
+/// The limit that was exceeded; `None` if the error itself names it.
 pub fn in_words(error: &Error) -> Option<String> {
     match error.kind() {
         ErrorKind::OutOfFuel => {
@@ -178,7 +176,7 @@ pub fn in_words(error: &Error) -> Option<String> {
     }
 }
 
-/// The first error of a chain in which each template only says that the one that it includes failed.
+/// The root cause of an error: each including template only says that the included one failed.
 pub fn cause(error: &Error) -> &Error {
     let mut cause = error;
     while let Some(inner) = std::error::Error::source(cause).and_then(|inner| inner.downcast_ref()) {
@@ -191,7 +189,7 @@ fn exceeded(why: String) -> Error {
     Error::new(ErrorKind::WriteFailure, why)
 }
 
-/// Memory of this process in bytes; 0 where the system does not tell.
+/// Memory of this process in bytes; 0 if unknown.
 fn resident_memory() -> u64 {
     const PAGE: u64 = 4096;
     let statm = bounded::text(Path::new("/proc/self/statm"), bounded::WRITTEN).unwrap_or_default();
@@ -202,7 +200,7 @@ fn resident_memory() -> u64 {
         .map_or(0, |pages| pages * PAGE)
 }
 
-/// A page that grows up to the limit.
+/// Output that may grow up to the limit.
 #[derive(Default)]
 struct Page {
     text: Vec<u8>,

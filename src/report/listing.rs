@@ -1,9 +1,9 @@
-//! The folders below a folder and their files, without hidden ones and links.
+//! Lists folders and files, without hidden folders and links.
 
 use std::fs::DirEntry;
 use std::path::{Path, PathBuf};
 
-/// A folder and all below it, without hidden ones and links.
+/// A folder and all its subfolders, without hidden ones and links.
 pub fn folders(folder: &Path) -> Vec<PathBuf> {
     let mut found = vec![folder.to_owned()];
     let mut next = 0;
@@ -20,7 +20,7 @@ pub fn folders(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// The files of a folder with an extension, sorted.
+/// The files in a folder with this extension, sorted.
 pub fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let mut files: Vec<PathBuf> =

@@ -1,9 +1,10 @@
-//! What the robot of a run lets an evaluation measure at all.
+//! What an evaluation can measure, given the robot of the run.
 
 use super::model::Arm;
 use crate::robot::SelfCollision;
 
-/// Whether the robot of a run has no shape but its soles, so that no self-collision of its legs can be found.
+/// Whether a robot has no collision shapes except its soles, so that self-collisions of its legs cannot be
+/// found.
 pub fn is_blind(run: &Arm) -> bool {
     run.robot.as_ref().is_some_and(|robot| !SelfCollision::is_measurable(robot))
 }

@@ -1,4 +1,4 @@
-//! The metrics of an evaluation as a report estimates them from episodes. Which there are, the registry says.
+//! The metrics of an evaluation, estimated from its episodes. The registry defines them.
 
 use super::estimate::Estimate;
 use crate::kinds::metric::{self, MetricKind, Scale, Source};
@@ -24,7 +24,7 @@ pub struct Metric {
 }
 
 impl Metric {
-    /// The rows of the table of an evaluation, in its order.
+    /// The metrics in the table of an evaluation, in its order.
     pub fn tabled() -> impl Iterator<Item = Self> {
         metric::KINDS.iter().copied().filter(|kind| kind.tabled).filter_map(Self::of_episodes)
     }
@@ -40,29 +40,29 @@ impl Metric {
         is_of_episodes.then_some(Self { name: kind.kind.name, label, unit, digits, kind })
     }
 
-    /// Whether it says something about a task of this kind.
+    /// Whether it is meaningful for a task of this kind.
     pub fn suits(&self, task: &str) -> bool {
         self.kind.suits(task)
     }
 
-    /// Whether every episode of an evaluation has it; of the second half, whether one of them reached it.
+    /// Whether every episode of an evaluation has it. For the second half, whether any episode reached it.
     pub fn is_measured(&self, evaluation: &Evaluation) -> bool {
         self.kind.values(&evaluation.episodes).is_some()
             && self.without(evaluation) < evaluation.episodes.len()
     }
 
-    /// How many episodes ended before what it is about, and count as 0.
+    /// Number of episodes that ended before the measured part, and count as 0.
     pub fn without(&self, evaluation: &Evaluation) -> usize {
         let ended = |episode: &&Episode| episode.duration < 0.5 * evaluation.time_limit;
         if SECOND_HALF.contains(&self.name) { evaluation.episodes.iter().filter(ended).count() } else { 0 }
     }
 
-    /// Its value in every episode; none where it was not measured.
+    /// Its value in every episode; empty if not measured.
     pub fn values(&self, evaluation: &Evaluation) -> Vec<f64> {
         self.kind.values(&evaluation.episodes).unwrap_or_default()
     }
 
-    /// Its estimate: Wilson's interval for successes, a bootstrap over episodes for means.
+    /// Its estimate: Wilson's interval for success rates, a bootstrap over episodes for means.
     pub fn estimate(&self, evaluation: &Evaluation) -> Estimate {
         let values = self.values(evaluation);
         if self.kind.scale == Scale::Success {
@@ -72,7 +72,7 @@ impl Metric {
     }
 }
 
-/// Mean of a metric over the episodes; `None` without episodes or for an unknown name.
+/// Mean of a metric over the episodes; `None` for an unknown name or if there are no episodes.
 pub fn average(evaluation: &Evaluation, name: &str) -> Option<f64> {
     mean(&Metric::named(name)?.values(evaluation))
 }

@@ -1,4 +1,4 @@
-//! Reports: claims against what was measured, figures, tables, templates, provenance. Never simulates.
+//! Reports: judged claims, figures, tables, templates, provenance. Never simulates.
 
 pub mod baseline;
 pub mod claim;

@@ -1,6 +1,6 @@
-//! What a report is made of: arms, their learning, their evaluations and where each came from.
+//! The content of a report: arms, their training, their evaluations and the provenance of each.
 //!
-//! Plain data, filled from the store by `exec`; knows nothing of folders, templates or figures.
+//! Plain data that `exec` reads from the store; independent of folders, templates and figures.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +16,7 @@ use crate::robot::Robot;
 use crate::spec::typed::InSection;
 use crate::spec::{Section, Table};
 
-/// Everything a report is rendered from.
+/// The input from which a report is rendered.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ReportInput {
     /// Name of the spec; the report is `reports/NAME.md`.
@@ -25,33 +25,33 @@ pub struct ReportInput {
     pub summary: String,
     /// The files as the user named them, for the command that regenerates the report.
     pub specs: Vec<String>,
-    /// Their paths in the project.
+    /// Their paths relative to the project.
     #[serde(default)]
     pub places: Vec<String>,
     /// The profile, when one was chosen.
     pub profile: Option<String>,
     /// Assignments given with `--set`, as written.
     pub assignments: Vec<String>,
-    /// Folders outside of the project that specs may name files in, given with `--allow-outside`.
+    /// Folders outside the project that specs may refer to, given with `--allow-outside`.
     pub outside: Vec<String>,
     /// Name of the template, for example `run.md.j2`.
     pub template: String,
-    /// Version of specforge that renders.
+    /// Version of specforge that renders the report.
     pub tool_version: String,
     /// Its commit.
     pub commit: String,
-    /// The arms, the spec's own first; of a suite its runs, those of an arm after each other.
+    /// The arms, the spec's own first; for a suite its runs, grouped by arm.
     pub arms: Vec<Arm>,
-    /// The suite that the report is about.
+    /// The suite, for a report on a suite.
     #[serde(default)]
     pub suite: Option<SuiteRecord>,
-    /// The figures that are asked for; without any, all.
+    /// The requested figures; all if empty.
     #[serde(default)]
     pub figures: Vec<String>,
-    /// What the spec declares to be done in another way than in the experiment that it reproduces.
+    /// The spec's declared deviations from the experiment that it reproduces.
     #[serde(default)]
     pub deviations: Vec<String>,
-    /// The specs that the arms are compared with, resolved; each arm has the place of its own.
+    /// The specs that the arms are compared with, resolved; each arm has the index of its own.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub baselines: Vec<Table>,
 }
@@ -65,28 +65,28 @@ pub struct Arm {
     pub summary: String,
     /// Its file as the user named it.
     pub spec: String,
-    /// The low-level law in one line; empty when it is not known.
+    /// The low-level control law in one line; empty if unknown.
     #[serde(default)]
     pub law: String,
     /// The decoded spec.
     pub fields: Table,
-    /// Where each value comes from, by path (`learn.samples` -> `specs/base/run.toml:12`).
+    /// The origin of each value, by path (`learn.samples` -> `specs/base/run.toml:12`).
     #[serde(default)]
     pub origins: BTreeMap<String, String>,
-    /// The robot; absent when its stage failed.
+    /// The robot; absent if its stage failed.
     #[serde(default)]
     pub robot: Option<Robot>,
-    /// The reference motion; absent when there is none.
+    /// The reference motion, if any.
     #[serde(default)]
     pub motion: Option<Motion>,
     /// The learner's metrics, one entry per update, from `metrics.jsonl`.
     #[serde(default)]
     pub updates: Vec<Update>,
-    /// The same of the fine-tuning; empty when there is none.
+    /// The same for the fine-tuning, if any.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fine_tuning: Vec<Update>,
-    /// What the run-time checks of the trainings found, from `summary.json`; `None` when there is no training
-    /// or it had no checks.
+    /// Findings of the run-time checks in the trainings, from `summary.json`; `None` if nothing was trained
+    /// or nothing was checked.
     #[serde(default)]
     pub findings: Option<Vec<Finding>>,
     /// The warnings that the spec allows, with their reasons.
@@ -98,29 +98,29 @@ pub struct Arm {
     /// Evaluations, in the order of the report's columns.
     #[serde(default)]
     pub evaluations: Vec<Measured>,
-    /// The stages that were run or found in the store.
+    /// The stages that were run, or found in the store.
     #[serde(default)]
     pub stages: Vec<StageRecord>,
     /// Stages that failed.
     #[serde(default)]
     pub failures: Vec<Failure>,
-    /// Where it stands in its suite, when it is a run of one.
+    /// The run's place in its suite, for a run of a suite.
     #[serde(default)]
     pub run: Option<RunRecord>,
-    /// Which of the report's baselines it is compared with.
+    /// Index of the baseline that it is compared with.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub baseline: Option<usize>,
-    /// Its samples as a share of the baseline's.
+    /// Its number of samples as a share of the baseline's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub budget_share: Option<f64>,
 }
 
-/// An evaluation and the stage that made it.
+/// An evaluation and its stage.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
     /// The stage: `evaluate.nominal`, `deploy.mujoco`.
     pub stage: String,
-    /// What was measured.
+    /// The measurements.
     pub evaluation: Evaluation,
 }
 
@@ -144,9 +144,9 @@ pub struct Update {
     pub length_mean_s: Option<f64>,
     /// Mean KL divergence of the update.
     pub kl: Option<f64>,
-    /// Share of the samples whose ratio was clipped.
+    /// Share of the samples with a clipped probability ratio.
     pub clip_fraction: Option<f64>,
-    /// Share of the returns' variance that the critic explains.
+    /// Share of the returns' variance explained by the critic.
     pub explained_variance: Option<f64>,
     /// The actor's learning rate.
     pub learning_rate: Option<f64>,
@@ -154,17 +154,17 @@ pub struct Update {
     pub samples_per_s: Option<f64>,
     /// Mean of each reward term per step.
     pub terms: BTreeMap<String, f64>,
-    /// Number of episodes that ended by each cause.
+    /// Number of episodes by cause of termination.
     pub ends: BTreeMap<String, u64>,
 }
 
-/// What pre-training reached: `pretrain.json`.
+/// Result of the pre-training: `pretrain.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Pretrain {
     /// Root mean square error of the predicted torques in N m.
     pub rmse_nm: f64,
-    /// Root mean square of the torques themselves in N m: the error of a network that does nothing.
+    /// Root mean square of the torques themselves in N m: the error of a network whose output is zero.
     pub label_rms_nm: f64,
     /// Number of labelled samples.
     pub samples: u64,
@@ -196,7 +196,7 @@ pub struct StageRecord {
     pub finished: String,
 }
 
-/// A stage that did not end well.
+/// A stage that failed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Failure {
     /// Its name in the arm.
@@ -213,7 +213,7 @@ impl Update {
 }
 
 impl Measured {
-    /// Whether it is the same stage in the same engine, of another arm.
+    /// Whether it is the same stage in the same engine, for another arm.
     pub fn is_the_same_as(&self, other: &Self) -> bool {
         self.stage == other.stage && self.evaluation.engine == other.evaluation.engine
     }
@@ -238,12 +238,12 @@ impl Arm {
         self.section().within::<Part>().and_then(|table| table.kind()).unwrap_or("")
     }
 
-    /// What its task asks of a policy; `None` for a task that is not known.
+    /// What its task requires; `None` for an unknown task.
     pub fn task(&self) -> Option<&'static Meaning> {
         task::meaning(self.kind::<Task>())
     }
 
-    /// Whether its task goes somewhere.
+    /// Whether its task involves locomotion.
     pub fn travels(&self) -> bool {
         self.task().is_some_and(|task| task.travels)
     }

@@ -1,4 +1,4 @@
-//! What a template sees: the variables of a report.
+//! The variables of a report that a template can use.
 
 use serde::{Deserialize, Serialize};
 
@@ -23,13 +23,13 @@ pub struct Page {
     pub profile: String,
     /// The result in one paragraph per arm.
     pub result: Vec<String>,
-    /// What a reader must know.
+    /// Warnings for the reader.
     pub warnings: Vec<String>,
-    /// What is done in another way than in the baseline or than the spec says of itself.
+    /// Deviations from the baseline, and those that the spec declares.
     pub deviations: Vec<String>,
-    /// The names of the baselines as code; empty without any.
+    /// The names of the baselines as code, if any.
     pub baselines: Vec<String>,
-    /// What there is to say of the trainings' health beside its table.
+    /// Remarks on the health of the trainings that supplement its table.
     pub health: Vec<String>,
     /// The arms.
     pub arms: Vec<ArmPage>,
@@ -37,19 +37,19 @@ pub struct Page {
     pub tables: Tables,
     /// The figures.
     pub figures: Figures,
-    /// The suite; empty when the report is of no suite.
+    /// The suite; empty for other reports.
     pub suite: SuitePage,
-    /// The claims and whether they hold; empty without claims.
+    /// The claims with their verdicts; may be empty.
     pub claims: Table,
-    /// The same as sentences.
+    /// The claims as sentences.
     pub claim_sentences: Vec<String>,
     /// How many claims pass, fail and are not established; empty without claims.
     pub claim_count: String,
-    /// Which claims are corrected for their number.
+    /// Which claims are corrected for multiple testing.
     pub claim_correction: String,
-    /// The claims with their numbers.
+    /// The claims with all their numbers.
     pub judged: Vec<Judged>,
-    /// The command that runs the experiment again.
+    /// The command that reproduces the experiment.
     pub run_command: String,
     /// The command that renders the report again.
     pub report_command: String,
@@ -77,23 +77,23 @@ pub struct ArmPage {
 /// The tables.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tables {
-    /// What was run.
+    /// The setup.
     pub setup: Table,
-    /// What differs between the arms.
+    /// Differences between the arms.
     pub differences: Table,
     /// Learning in numbers.
     pub learning: Table,
-    /// The same of the fine-tuning; without rows when no arm has one.
+    /// The same for the fine-tuning; no rows if no arm has one.
     pub fine_tuning: Table,
-    /// What the run-time checks of the training found.
+    /// Findings of the run-time checks during training.
     pub health: Table,
     /// Why training episodes ended.
     pub endings: Table,
     /// Metrics of every arm in every engine.
     pub evaluation: Table,
-    /// Whether the task is done.
+    /// Whether the criteria of the task are met.
     pub criteria: Table,
-    /// The first arm against each other one.
+    /// The first arm compared with each of the others.
     pub comparisons: Vec<Table>,
     /// Reward per second by term.
     pub reward: Table,
@@ -101,7 +101,7 @@ pub struct Tables {
     pub cost: Table,
     /// The stages.
     pub stages: Table,
-    /// Figures and tables with their stages.
+    /// Figures and tables with the stages they are made from.
     pub provenance: Table,
 }
 
@@ -114,7 +114,7 @@ pub struct FigurePage {
     pub title: String,
     /// Its file, relative to the report.
     pub file: String,
-    /// What is to be seen, with n.
+    /// What it shows, with n.
     pub caption: String,
 }
 
@@ -139,14 +139,14 @@ pub struct Figures {
     pub survival_grid: Option<FigurePage>,
     /// The claims of a suite with their intervals.
     pub claims: Option<FigurePage>,
-    /// What a suite asks for of its evaluations, in its order: all figures but learning curves and claims.
+    /// The other figures that a suite requests, in its order: all but learning curves and claims.
     pub outcomes: Vec<FigurePage>,
 }
 
 impl Page {
     /// The variables for an input and its figures.
     pub fn new(input: &ReportInput, figures: &[Figure]) -> Self {
-        // A suite's runs are too many for a column each: what is said of them is in `suite`.
+        // A suite has too many runs for a column each; they are described in `suite`.
         let of_suite = input.suite.is_some();
         let judged = suite::judged(input);
         let result = if of_suite { suite::page::paragraphs(input) } else { headline::paragraphs(input) };
@@ -179,7 +179,7 @@ impl Page {
         }
     }
 
-    /// Every table in the order of the report.
+    /// All tables in the order of the report.
     pub fn all_tables(&self) -> Vec<&Table> {
         let Tables {
             setup,

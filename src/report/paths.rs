@@ -1,28 +1,28 @@
-//! Paths as a report names them: from the project's folder, else from the current folder, else the file's
-//! name alone. A page is passed on, and says nothing of the folders of the machine that made it.
+//! Paths as printed in a report: relative to the project, else to the current folder, else the bare file
+//! name. A page may be published, so it must not reveal the folders of the machine that rendered it.
 
 use std::path::{Component, Path, PathBuf};
 
 use crate::spec::folder;
 use crate::syntax::files::{Disk, Files, plain};
 
-/// The folders that paths begin at.
+/// The base folders of printed paths.
 #[derive(Clone, Debug, Default)]
 pub struct Paths {
-    /// Without `.` and `..`, the first that holds a path counts.
+    /// Without `.` and `..`; the first that contains a path counts.
     folders: Vec<PathBuf>,
     home: Option<PathBuf>,
 }
 
 impl Paths {
-    /// For a spec and what belongs to it.
+    /// For a spec and its related files.
     pub fn of(spec: &Path) -> Self {
         let project = folder::root(&Disk, spec).map(|folder| plain(&Disk.absolute(&folder)));
         let folders = project.into_iter().chain(std::env::current_dir().ok()).collect();
         Self { folders, home: std::env::home_dir().filter(|home| home.components().count() > 1) }
     }
 
-    /// A path. One that leads down from the current folder stays as it is.
+    /// Prints a path. One that leads down from the current folder is left unchanged.
     pub fn shown(&self, path: &str) -> String {
         let given = Path::new(path);
         if given.is_relative() && !given.starts_with("..") {
@@ -34,7 +34,7 @@ impl Paths {
         inside.unwrap_or_else(name).display().to_string()
     }
 
-    /// The origin of a value, `profile desk, FILE:12`.
+    /// Prints the origin of a value: `profile desk, FILE:12`.
     pub fn origin(&self, origin: &str) -> String {
         let (layer, place) = origin
             .rsplit_once(", ")
@@ -49,7 +49,7 @@ impl Paths {
         }
     }
 
-    /// A message with paths in it.
+    /// Prints a message that contains paths.
     pub fn message(&self, message: &str) -> String {
         let within = |text: String, folder: &PathBuf| text.replace(&format!("{}/", folder.display()), "");
         let text = self
@@ -64,8 +64,8 @@ impl Paths {
     }
 }
 
-/// The folder of a spec's page in the folder of all reports: that of the spec below `specs/`, so `paper` for
-/// the path `specs/paper/walk.toml` in the project. Empty for specs at the top of `specs/` or elsewhere.
+/// The subfolder of a spec's page in the folder of reports, which mirrors `specs/`: `paper` for
+/// `specs/paper/walk.toml` in the project. Empty for specs at the top of `specs/` or elsewhere.
 pub fn page_folder(place: &str) -> PathBuf {
     let inside = Path::new(place).parent().and_then(|folder| folder.strip_prefix("specs").ok());
     let is_plain = |folder: &&Path| folder.components().all(|part| matches!(part, Component::Normal(_)));

@@ -1,5 +1,5 @@
-//! Checks a template before it is rendered, and before anything is run: syntax, variables, filters, all
-//! mistakes at once, each with its place.
+//! Checks a template before anything is run or rendered: syntax, variables and filters. Reports all errors at
+//! once, with their locations.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -12,31 +12,31 @@ use super::limits;
 use super::template::{Template, Templates};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 
-/// Most templates of a report.
+/// Most templates in a report.
 const MOST: usize = 100;
 
-/// What templates are checked with, and what was found.
+/// The context of the checks, and their findings.
 pub struct Preflight<'a> {
     /// The template engine.
     pub environment: &'a Environment<'a>,
-    /// The templates within reach.
+    /// The available templates.
     pub templates: &'a Templates,
-    /// How tags are written.
+    /// The tag syntax.
     pub syntax: SyntaxConfig,
     /// The variables that a template may use.
     pub variables: Value,
     /// The texts.
     pub sources: &'a mut Sources,
-    /// The mistakes.
+    /// The errors.
     pub found: Vec<Diagnostic>,
 }
 
 impl Preflight<'_> {
-    /// Checks a template and all that it names, directly or through others, each once.
+    /// Checks a template and all that it references, directly or indirectly, each once.
     pub fn all(&mut self, name: &str, first: Template) {
         let mut open = vec![(name.to_owned(), first)];
         let mut known = BTreeSet::from([name.to_owned()]);
-        // The names that templates bind before they include others.
+        // Names that templates define before they include others.
         let mut bound = BTreeSet::new();
         while let Some((name, template)) = open.pop() {
             let source = self.sources.add(&template.path, template.text.as_str());
@@ -65,7 +65,7 @@ impl Preflight<'_> {
         }
     }
 
-    /// The templates of a reference that exist, with their names.
+    /// The existing templates of a reference, with their names.
     fn named(&mut self, reference: Reference, source: SourceId) -> Vec<(String, Template)> {
         let mut found = Vec::new();
         let mut missing = None;
@@ -84,8 +84,8 @@ impl Preflight<'_> {
     }
 }
 
-/// The mistakes of a template, given the variables that it may use. `bound` are names that another
-/// template binds before it includes this one.
+/// The errors of a template, given the variables that it may use. `bound` are names that another template
+/// defines before including this one.
 fn check(
     environment: &Environment,
     (name, template, source): (&str, &Template, SourceId),
@@ -135,13 +135,13 @@ fn check(
     sink.diagnostics
 }
 
-/// Whether a tag computes with nothing but numbers, so that what it gives is known before there is a report.
+/// Whether a tag contains only numbers, so that its value is known in advance.
 fn is_arithmetic(code: &str) -> bool {
     code.contains(|c: char| c.is_ascii_digit())
         && code.chars().all(|c| c.is_ascii_digit() || " .()+-*/%".contains(c))
 }
 
-/// The names that a template binds itself: loop variables, `set`, macro arguments.
+/// The names that a template defines itself: loop variables, `set`, macro arguments.
 fn bound_names(text: &str) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     for tag in tags(text) {
@@ -161,7 +161,7 @@ fn first(path: &str) -> &str {
     path.split('.').next().unwrap_or(path)
 }
 
-/// The names that could stand in place of the first unknown part of a path; `None` when all are known.
+/// Possible names for the first unknown part of a path; `None` if all parts are known.
 fn undefined(path: &str, variables: &Value) -> Option<Vec<String>> {
     let mut value = variables.clone();
     for part in path.split('.') {
@@ -206,7 +206,7 @@ fn unknown_filter(filter: &str, span: Span) -> Diagnostic {
     )
 }
 
-/// An error of the template engine with its code and its place.
+/// An error of the template engine with its code and location.
 pub fn place(error: &minijinja::Error, source: SourceId, text: &str) -> Diagnostic {
     let code = match error.kind() {
         _ if limits::is_exceeded(error) => "E0905",
@@ -242,7 +242,7 @@ pub fn place(error: &minijinja::Error, source: SourceId, text: &str) -> Diagnost
     diagnostic
 }
 
-/// The insides of `{{ }}` and `{% %}`; comments are left out.
+/// The contents of `{{ }}` and `{% %}`, excluding comments.
 fn tags(text: &str) -> Vec<Range<usize>> {
     let mut tags = Vec::new();
     let mut at = 0;
@@ -265,7 +265,7 @@ fn tags(text: &str) -> Vec<Range<usize>> {
     tags
 }
 
-/// Where a word first stands in the tags.
+/// The first occurrence of a word in the tags.
 fn word_in_tags(text: &str, tags: &[Range<usize>], word: &str) -> Option<Range<usize>> {
     let is_part = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == '.');
     tags.iter().find_map(|tag| {
@@ -278,7 +278,7 @@ fn word_in_tags(text: &str, tags: &[Range<usize>], word: &str) -> Option<Range<u
     })
 }
 
-/// The places of filter names: words after a single `|` outside of strings.
+/// The positions of filter names: words after a single `|` outside strings.
 fn filters<'a>(text: &'a str, tags: &'a [Range<usize>]) -> impl Iterator<Item = Range<usize>> + 'a {
     tags.iter().flat_map(move |tag| {
         let code = &text[tag.clone()];

@@ -1,5 +1,5 @@
-//! The claims of a record judged again, from the values that it keeps of them and by the tests that judged them:
-//! a verdict, a p value or an estimate that does not follow from those is found.
+//! Judges the claims of a record again from their recorded values, with the tests that judged them, to find
+//! verdicts, p values and estimates that do not follow from these values.
 
 use super::judge::{Ruled, Terms, correct, together};
 use super::quantifier::{Quantifier, Weighed};
@@ -11,7 +11,7 @@ use crate::spec::claim::{MetricPath, Over};
 use crate::statistics::region::Region;
 use crate::statistics::test::{Sample, Test};
 
-/// Judges claims again. `Err` names the claim that cannot be judged, with the reason.
+/// Judges claims again. `Err` names the claim that cannot be judged and the reason.
 pub fn again(claims: &[Judged]) -> Result<Vec<Judged>, String> {
     let mut judged = Vec::with_capacity(claims.len());
     for claim in claims {
@@ -21,7 +21,7 @@ pub fn again(claims: &[Judged]) -> Result<Vec<Judged>, String> {
     Ok(judged)
 }
 
-/// A claim before the others are looked at.
+/// Judges one claim, before Holm's correction.
 fn one(claim: &Judged) -> Result<Judged, String> {
     let unknown =
         |what: &str, name: &str| format!("has the {what} `{name}`, which this version does not know");
@@ -56,7 +56,7 @@ fn one(claim: &Judged) -> Result<Judged, String> {
     Ok(Judged { verdict, p, p_adjusted: None, alternatives, cases, settled_by: None, ..claim.clone() })
 }
 
-/// The comparison with the numbers that its values give.
+/// The comparison with its numbers replaced by those of `ruled`.
 fn weighed(case: &Case, ruled: Ruled) -> Weighed {
     let p = ruled.p();
     let Ruled { measured, interval, p_for, p_against, verdict } = ruled;
@@ -65,13 +65,13 @@ fn weighed(case: &Case, ruled: Ruled) -> Weighed {
     Weighed { case: Case { n, fewest, sides, estimate, p, verdict, ..case.clone() }, p_for, p_against }
 }
 
-/// The sample of which a record keeps these values.
+/// Rebuilds the sample from its recorded values.
 fn sample(evidence: &Evidence, statistic: &StatisticKind) -> Option<Sample> {
     let episodes = |sides: Vec<Vec<f64>>, paired: bool| Some(Sample::Episodes { sides, paired });
     let shares = |count: u64, value: f64| std::iter::repeat_n(value, usize::try_from(count).unwrap_or(0));
     let is_of_runs = statistic.unit() == statistic::Unit::Seed;
     match evidence {
-        // A threshold that is never reached lies beyond all others.
+        // A missing value is a threshold that was never reached: it ranks above all others.
         Evidence::Runs { values, episodes } if is_of_runs => {
             let stratum =
                 |runs: &Vec<Option<f64>>| runs.iter().map(|run| run.unwrap_or(f64::INFINITY)).collect();
@@ -96,10 +96,10 @@ fn sample(evidence: &Evidence, statistic: &StatisticKind) -> Option<Sample> {
     }
 }
 
-/// Most episodes of a count: no evaluation has more, and a number in a file is not to take all memory.
+/// Upper limit of a recorded count, above that of any evaluation: a number in a file must not exhaust memory.
 const MOST: u64 = 10_000_000;
 
-/// The stage and the metric of a claim, without what is subtracted or asked for.
+/// The stage and metric of a claim, without its baseline and parameters.
 pub(super) fn measured(claim: &Judged) -> MetricPath {
     let written = claim.metric.split(' ').next().unwrap_or_default();
     let (stage, name) = written.rsplit_once('.').unwrap_or_default();

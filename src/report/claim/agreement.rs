@@ -1,5 +1,5 @@
-//! Whether the claims of a record agree with what else it holds: their verdicts with their values, these with the
-//! table of all runs, and what they call failing with how the policies do their task.
+//! Checks the claims of a record against the rest of it: verdicts against their values, values against the
+//! table of all runs, and failing runs against how the policies do their task.
 
 use serde_json::Value as Json;
 
@@ -10,11 +10,11 @@ use crate::report::runs::RunRecord;
 use crate::report::sidecar::Sidecar;
 use crate::report::tasks::TaskRecord;
 
-/// How far two numbers that are computed in the same way may be apart, as a share of their size.
+/// Largest relative difference between two numbers that are computed in the same way.
 const TOLERANCE: f64 = 1e-9;
 
-/// What does not agree, a sentence for each claim with something; none for a record of earlier rules, which lacks
-/// the values.
+/// One sentence for each claim that disagrees. Empty for a record judged by earlier rules, which has no
+/// values.
 pub fn disagreements(record: &Sidecar) -> Vec<String> {
     if record.claims.is_empty() || record.is_by_earlier_rules() {
         return Vec::new();
@@ -40,7 +40,7 @@ fn of_claim(record: &Sidecar, claim: &Judged, judged: &Judged) -> Option<String>
     reason.map(|reason| format!("its claim `{}` {reason}", claim.id))
 }
 
-/// What follows from the values, without words: those may be put otherwise by another version.
+/// The numbers that follow from the values. Texts are left out, as other versions may word them differently.
 fn numbers(claim: &Judged) -> Json {
     let case = |case: &Case| {
         let Case { n, fewest, sides, estimate, p, verdict, .. } = case;
@@ -56,7 +56,7 @@ fn numbers(claim: &Judged) -> Json {
     })
 }
 
-/// The path of the first value in which two trees differ by more than rounding.
+/// The path of the first value in which two JSON trees differ by more than rounding.
 fn difference(path: &str, one: &Json, other: &Json) -> Option<String> {
     let below = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
     let is_same = match (one, other) {
@@ -81,18 +81,18 @@ fn is_close((one, other): (f64, f64)) -> bool {
     (one - other).abs() <= TOLERANCE * one.abs().max(other.abs())
 }
 
-/// What a run's value is compared with.
+/// The baseline that a run's value is compared with.
 struct Compared<'a> {
-    /// The stage.
+    /// The baseline's stage.
     stage: &'a str,
-    /// The points of the arm's twin; empty when the run is compared with itself.
+    /// The points of the twin arm; empty when the run is its own baseline.
     twin: &'a str,
-    /// Whether the value is divided by it.
+    /// Whether the value is divided by the baseline; otherwise the baseline is subtracted.
     is_relative: bool,
 }
 
-/// Why the values of a claim are not those of the table of all runs. Metrics of a threshold, a parameter or a part of
-/// a training are not in that table.
+/// Why a claim's values differ from the table of all runs. Metrics with a threshold, a parameter or an
+/// `until` are not in that table.
 fn values(record: &Sidecar, claim: &Judged) -> Option<String> {
     let asked = claim.metric.split_once(' ').map_or("", |(_, rest)| rest);
     let is_tabled = metric::find(&measured(claim).name).is_some_and(|metric| metric.scale != Scale::Censored);
@@ -139,14 +139,14 @@ fn of_case(record: &Sidecar, claim: &Judged, case: &Case, compared: Option<&Comp
             _ => None,
         };
         let is_known = known.zip(told.value).is_some_and(is_close_in_sum);
-        // Ratios of single episodes are not the ratio of their means.
+        // The mean of per-episode ratios is not the ratio of the means.
         let is_of_ratios = told.is_mean_of_episodes && is_relative;
         (!is_known && !is_of_ratios)
             .then(|| format!("has another value of `{}` than the table of all runs", run.run))
     })
 }
 
-/// Differences of nearly equal numbers lose digits.
+/// The absolute tolerance allows for differences of nearly equal numbers, which lose digits.
 fn is_close_in_sum((one, other): (f64, f64)) -> bool {
     (one - other).abs() <= TOLERANCE * one.abs().max(other.abs()).max(1.0)
 }
@@ -155,7 +155,7 @@ fn value(run: &RunRecord, stage: &str, metric: &str) -> Option<f64> {
     run.stages.get(stage)?.values.get(metric).copied()
 }
 
-/// The arm with these points in the place of its own: `control=torque,ground=flat` with `ground=box`.
+/// The arm's name with these points replaced: `control=torque,ground=flat` with `ground=box`.
 fn with(arm: &str, points: &str) -> String {
     let axis = |term: &str| term.split_once('=').map_or(term.to_owned(), |(axis, _)| axis.to_owned());
     let own = arm.split(',').map(|own| {
@@ -165,14 +165,14 @@ fn with(arm: &str, points: &str) -> String {
     own.collect::<Vec<_>>().join(",")
 }
 
-/// The value of a run that a claim was judged by.
+/// A run's value as recorded with the claim.
 struct Told {
     /// Absent when it is infinite.
     value: Option<f64>,
     is_mean_of_episodes: bool,
 }
 
-/// The values of the runs in the order of the sources.
+/// The values of the runs, in the order of the claim's sources.
 fn told(evidence: &Evidence) -> Vec<Told> {
     let share = |successes: u64, trials: u64| Told {
         value: (trials > 0).then(|| successes as f64 / trials as f64),
@@ -202,7 +202,7 @@ fn told(evidence: &Evidence) -> Vec<Told> {
     }
 }
 
-/// Why the failing runs of a claim are not those that fail their task.
+/// Why a claim's list of failing runs is incomplete.
 fn failing(record: &Sidecar, claim: &Judged) -> Option<String> {
     if !metric::find(&measured(claim).name).is_some_and(|metric| metric.needs_task) {
         return None;
@@ -215,7 +215,7 @@ fn failing(record: &Sidecar, claim: &Judged) -> Option<String> {
     };
     let sources = claim.cases.iter().flat_map(|case| &case.sources);
     let compared = sources.filter_map(|source| record.runs.iter().find(|run| run.run == source.arm));
-    // An arm without points has no name there.
+    // The name of an arm without points is empty.
     let is_told = |run: &RunRecord| {
         let named = [format!("{},seed={}", run.arm, run.seed), format!(",seed={}", run.seed)];
         claim.failing.iter().any(|told| *told == run.run || named.contains(told))

@@ -1,4 +1,4 @@
-//! The rulings: p values of boundaries, Holm's correction over the claims of a suite.
+//! Judges claims: p values against the boundaries, and Holm's correction over the claims of a suite.
 
 use super::quantifier::{Quantifier, Weighed};
 use super::sample::{Found, samples};
@@ -19,9 +19,9 @@ pub fn judge(claims: &[Claim], arms: &[Observed]) -> Vec<Judged> {
     judged
 }
 
-/// Corrects the claims of a page for their number by Holm's method.
+/// Applies Holm's correction over the claims of a page.
 pub(super) fn correct(judged: &mut [Judged]) {
-    // A claim that could not be tested is one of the claims all the same.
+    // A claim that could not be tested still counts towards the number of claims.
     let adjusted = holm(&judged.iter().map(|claim| claim.p.unwrap_or(1.0)).collect::<Vec<_>>());
     for (claim, p) in judged.iter_mut().zip(adjusted) {
         claim.p_adjusted = claim.p.map(|_| p);
@@ -33,7 +33,7 @@ pub(super) fn correct(judged: &mut [Judged]) {
     judged.iter_mut().for_each(|claim| claim.settled_by = power::settled_by(claim, count));
 }
 
-/// Verdict and p value of a claim before the others are looked at.
+/// Verdict and p value of a claim before Holm's correction.
 pub(super) fn together(
     quantifier: &Quantifier,
     cases: &[Weighed],
@@ -50,7 +50,7 @@ pub(super) fn together(
 
 /// What a comparison is judged by.
 pub(super) struct Terms<'a> {
-    /// Where the estimate is expected.
+    /// The range in which the estimate is expected.
     pub region: Region,
     /// Two-sided level of the claim.
     pub alpha: f64,
@@ -58,22 +58,22 @@ pub(super) struct Terms<'a> {
     pub test: Test<'a>,
 }
 
-/// What became of a comparison.
+/// The outcome of a comparison.
 pub(super) struct Ruled {
     /// The estimate.
     pub measured: Measured,
     /// Its interval.
     pub interval: Option<Interval>,
-    /// The p value for what is expected.
+    /// The p value in favour of the expectation.
     pub p_for: Option<f64>,
-    /// That for the opposite.
+    /// The p value against the expectation.
     pub p_against: Option<f64>,
     /// PASS, FAIL or NOT ESTABLISHED.
     pub verdict: Ruling,
 }
 
 impl Terms<'_> {
-    /// Judges a sample at the levels at which it must hold and be opposed.
+    /// Judges a sample, given the levels for establishing and for refuting the expectation.
     pub fn rule(&self, sample: &Sample, levels: [f64; 2]) -> Ruled {
         let Self { region, alpha, test } = self;
         let measured = test.measure(sample);
@@ -82,7 +82,7 @@ impl Terms<'_> {
         let p = |boundary: f64| test.p(sample, boundary);
         let p_for = measured.value.and_then(|value| region.p_for(value, p));
         let p_against = measured.value.and_then(|value| region.p_against(value, p));
-        // Of a test with an exact p value and an interval of another kind both must agree.
+        // Where the p value is exact and the interval is computed by another method, both must agree.
         let decides = |p: Option<f64>, level: f64, agrees: &dyn Fn(Interval) -> bool| {
             p.is_some_and(|p| p <= level) && at(level).is_none_or(agrees)
         };
@@ -98,13 +98,13 @@ impl Terms<'_> {
 }
 
 impl Ruled {
-    /// The smaller of the p values for and against what is expected.
+    /// The smaller of the p values for and against the expectation.
     pub fn p(&self) -> Option<f64> {
         self.p_for.zip(self.p_against).map(|(p_for, p_against)| p_for.min(p_against))
     }
 }
 
-/// A claim before the others are looked at; `None` for a metric or test that `check` would have refused.
+/// Judges a claim before Holm's correction; `None` for a metric or test that `check` would have refused.
 fn draft(claim: &Claim, arms: &[Observed]) -> Option<Judged> {
     let (metric, statistic) = (metric::find(&claim.metric.name)?, statistic::find(&claim.test)?);
     let points: Vec<&Points> = arms.iter().map(|arm| arm.points).collect();
@@ -174,7 +174,7 @@ pub fn expectation(claim: &Claim) -> String {
     format!("{} {} {right}{within}{margin}{over}", arm(&expect.left), expect.relation.symbol())
 }
 
-/// One comparison, at the levels at which it must hold and be opposed.
+/// One comparison, given the levels for establishing and for refuting the expectation.
 fn case(
     claim: &Claim,
     (metric, statistic): (&MetricKind, &StatisticKind),

@@ -1,13 +1,13 @@
-//! Which claims mean nothing because robots fail their task: the speed, reward, force or torque of a robot
-//! that falls says nothing about the method that it was trained by. Nor do those of an episode whose physics
-//! left the realm of numbers.
+//! Claims that are meaningless because robots fail their task: the speed, reward, force or torque of a robot
+//! that falls says nothing about its training method. The same holds for episodes in which the simulation
+//! diverged.
 
 use super::Observed;
 use crate::kinds::metric::MetricKind;
 use crate::report::tasks;
 use crate::spec::claim::{Case, Claim};
 
-/// The runs that fail their task among those that a claim about such a metric compares, by name.
+/// The names of the compared runs that fail their task, for a claim about such a metric.
 pub fn failing(claim: &Claim, metric: &MetricKind, cases: &[Case], arms: &[Observed]) -> Vec<String> {
     if !metric.needs_task {
         return Vec::new();

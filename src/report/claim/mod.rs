@@ -1,8 +1,8 @@
-//! Claims against what was measured: PASS, FAIL or NOT ESTABLISHED, with the numbers behind it.
+//! Judges claims by the measurements: PASS, FAIL or NOT ESTABLISHED, with the numbers behind each verdict.
 //!
-//! A claim passes when its test establishes what it expects, fails when the opposite is established, and is
-//! not established otherwise. Runs that are missing are said, and leave a claim not established. Knows no
-//! simulator and no store.
+//! A claim passes when its test establishes the expectation and fails when the test establishes the opposite;
+//! otherwise it is not established. A claim with missing runs names them and is not established. Independent
+//! of the simulators and the store.
 
 mod again;
 mod agreement;
@@ -34,16 +34,16 @@ use super::model::Arm;
 use super::source::Source;
 use crate::spec::claim::{Paper, Points, Summary};
 
-/// What became of a claim.
+/// The verdict on a claim.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Ruling {
-    /// What it expects is established.
+    /// The expectation is established.
     #[serde(rename = "PASS")]
     Pass,
     /// The opposite is established.
     #[serde(rename = "FAIL")]
     Fail,
-    /// Neither is.
+    /// Neither is established.
     #[default]
     #[serde(rename = "NOT ESTABLISHED")]
     NotEstablished,
@@ -53,7 +53,7 @@ pub enum Ruling {
 }
 
 impl Ruling {
-    /// As a reader sees it.
+    /// The verdict as printed in a report.
     pub fn word(self) -> &'static str {
         match self {
             Self::Pass => "PASS",
@@ -64,16 +64,16 @@ impl Ruling {
     }
 }
 
-/// An arm of the suite with the runs that were made of it.
+/// An arm of a suite with its runs.
 #[derive(Clone, Copy, Debug)]
 pub struct Observed<'a> {
     /// Its points, by axis.
     pub points: &'a Points,
-    /// Its runs by seed; a run without results is among them.
+    /// Its runs by seed, including runs without results.
     pub runs: &'a [(u64, &'a Arm)],
 }
 
-/// A claim and what became of it.
+/// A claim and its verdict.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Judged {
     /// Its name.
@@ -82,49 +82,49 @@ pub struct Judged {
     pub text: String,
     /// The metric with its stage.
     pub metric: String,
-    /// What is expected, with the arms' points in place of their letters.
+    /// The expectation, with the arms' points in place of their letters.
     pub expect: String,
     /// The test.
     pub test: String,
-    /// What is counted as one observation: `run` or `episode`.
+    /// The unit of observation: `run` or `episode`.
     pub unit: String,
     /// Two-sided level.
     pub alpha: f64,
-    /// The ends of the range in which the estimates are expected, where it has them.
+    /// The ends of the range in which the estimates are expected; absent for an open end.
     #[serde(default)]
     pub bounds: [Option<f64>; 2],
-    /// By what the second side is multiplied before it is subtracted.
+    /// The factor on the second side before it is subtracted.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub factor: f64,
-    /// What is claimed of several comparisons: `each`, `mean`, `some`, `none`, `at least 3`, `at most 3`;
-    /// empty for one.
+    /// The quantifier over several comparisons: `each`, `mean`, `some`, `none`, `at least 3`, `at most 3`;
+    /// empty for a single one.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub over: String,
-    /// What the runs of an arm are summarised by.
+    /// The statistic that summarises an arm's runs.
     #[serde(default, skip_serializing_if = "Summary::is_mean")]
     pub summary: Summary,
-    /// What became of it.
+    /// The verdict.
     pub verdict: Ruling,
-    /// The p value of the claim by itself; absent when nothing could be tested.
+    /// The p value before correction; absent when nothing could be tested.
     #[serde(default)]
     pub p: Option<f64>,
     /// The p value after Holm's correction over all claims of the suite.
     pub p_adjusted: Option<f64>,
-    /// The runs that fail their task, so that the claim means nothing.
+    /// The runs that fail their task, which makes the claim meaningless.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub failing: Vec<String>,
-    /// What would settle the claim; absent where it is settled.
+    /// What would settle the claim; absent when it is settled.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settled_by: Option<String>,
-    /// Its comparisons; one, unless the claim is about each of several arms.
+    /// Its comparisons; one, unless the claim quantifies over several arms.
     pub cases: Vec<Case>,
-    /// The axis that the claim is over; empty when it is over none.
+    /// The axis that the claim quantifies over; may be empty.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub axis: String,
-    /// The points of that axis, and whether all comparisons hold there.
+    /// The points of that axis, each with its verdict over all comparisons there.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub alternatives: Vec<Alternative>,
-    /// What is missing, as sentences.
+    /// Sentences that say what is missing.
     pub missing: Vec<String>,
     /// What the paper reports.
     pub paper: Option<Paper>,
@@ -144,8 +144,8 @@ impl Judged {
         self.alternatives.iter().filter(|alternative| alternative.verdict == verdict).count()
     }
 
-    /// The verdict of a comparison: of one among several its own, of the only one the claim's, which is
-    /// corrected for the number of claims.
+    /// The verdict of a comparison: its own if there are several, else the claim's, which is corrected for
+    /// the number of claims.
     pub fn ruling_of(&self, case: &Case) -> Ruling {
         let is_meaningless = self.verdict == Ruling::NotMeaningful;
         if is_meaningless || self.cases.len() == 1 && self.alternatives.is_empty() {
@@ -155,8 +155,8 @@ impl Judged {
         }
     }
 
-    /// What became of a comparison, in words: of a claim that is over an axis, whether the expectation holds
-    /// there, which is not yet what the claim says.
+    /// The verdict of a comparison in words. For a claim over an axis they say whether the expectation holds
+    /// there, as the claim as a whole may be decided differently.
     pub fn word_of(&self, case: &Case) -> &'static str {
         match self.ruling_of(case) {
             ruling if self.alternatives.is_empty() => ruling.word(),
@@ -166,7 +166,7 @@ impl Judged {
         }
     }
 
-    /// What the event of a finished run says of it: numbers at the top when there is one comparison, else by
+    /// A summary for the event of a finished run: numbers at the top level for a single comparison, else by
     /// case.
     pub fn brief(&self) -> serde_json::Value {
         let numbers = |case: &Case| {
@@ -202,41 +202,41 @@ impl Judged {
     }
 }
 
-/// A point of the axis that a claim is over.
+/// A point of the axis that a claim quantifies over.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Alternative {
     /// The point.
     pub point: String,
     /// PASS when the expectation is established in every comparison at this point, FAIL when it is refuted in
-    /// one.
+    /// at least one.
     pub verdict: Ruling,
 }
 
 /// One comparison of a claim.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Case {
-    /// What tells it from the others: `robot=atlas`; empty when it is the only one.
+    /// Distinguishes it from the others: `robot=atlas`; empty for a single comparison.
     pub label: String,
-    /// The alternative that it belongs to, for a claim over an axis or a number of comparisons.
+    /// The alternative it belongs to, for a claim over an axis or a number of comparisons.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub alternative: String,
-    /// The values that it was judged by; absent in the records of earlier versions.
+    /// The values it was judged by; absent in records of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub evidence: Option<Evidence>,
-    /// Observations of each side, the left one first.
+    /// Number of observations on each side, the left one first.
     pub n: Vec<usize>,
-    /// Those of the smallest sample that is taken by itself; 0 in the records of earlier versions.
+    /// Number of observations in the smallest stratum; 0 in records of earlier versions.
     #[serde(default)]
     pub fewest: usize,
     /// The value of each side.
     pub sides: Vec<Option<f64>>,
-    /// What is compared with the boundary, with its interval.
+    /// The estimate that is compared with the boundary, with its interval.
     pub estimate: Estimate,
-    /// The smaller of the two-sided p values for and against what is expected.
+    /// The smaller of the two-sided p values for and against the expectation.
     pub p: Option<f64>,
-    /// What became of it, before the other claims are looked at.
+    /// The verdict before Holm's correction.
     pub verdict: Ruling,
-    /// Why there is no interval, or what must be known of it; may be empty.
+    /// Why the interval is missing, or a caveat; may be empty.
     pub remark: String,
     /// The stages of the runs that it was computed from.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

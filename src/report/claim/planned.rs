@@ -1,4 +1,4 @@
-//! What the tests of a suite's claims can decide, before there are runs.
+//! The power of the tests of a suite's claims, before anything is run.
 
 use serde::Serialize;
 use statrs::distribution::{Binomial, DiscreteCDF};
@@ -14,12 +14,12 @@ use crate::statistics::power::alike_runs_needed;
 use crate::statistics::proportion::{score_test, wilson};
 use crate::statistics::region::Region;
 
-/// An arm of a suite before there are runs.
+/// An arm of a suite before anything is run.
 #[derive(Clone, Copy, Debug)]
 pub struct PlannedArm<'a> {
     /// Its points, by axis.
     pub points: &'a Points,
-    /// Its seeds.
+    /// Number of seeds.
     pub seeds: usize,
     /// The sections `evaluate` and `deploy` of its spec.
     pub fields: &'a Table,
@@ -36,42 +36,42 @@ pub struct Planned {
     pub seeds: usize,
     /// `run` or `episode`.
     pub unit: &'static str,
-    /// The level of its smallest p value after Holm's correction for all claims of the suite.
+    /// The level of its smallest p value after Holm's correction over all claims of the suite.
     pub level: f64,
-    /// The unit of the metric; `%` for shares, which are numbers between 0 and 1 here.
+    /// The unit of the metric; `%` for shares, whose values here lie between 0 and 1.
     pub metric_unit: &'static str,
-    /// How far beyond the boundary the truth must lie for a power of 80 %, at the claim's `spread`.
+    /// How far beyond the boundary the true value must lie for a power of 80 %, at the claim's `spread`.
     pub detects: Option<f64>,
     /// The power at the claim's `effect` and `spread`.
     pub power: Option<f64>,
     /// The seeds per arm for a power of 80 %.
     pub seeds_needed: Option<usize>,
-    /// The seeds per arm that decide arms whose runs are all alike.
+    /// The seeds per arm that decide the claim when the runs of each arm are all alike.
     pub seeds_needed_alike: Option<usize>,
-    /// Of the test `wilson`: the successes that decide.
+    /// For the test `wilson`: the numbers of successes that decide.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub successes: Option<Successes>,
 }
 
-/// The successes of a policy with which a claim about shares passes and fails.
+/// The successes of a policy at which a claim about shares passes and fails.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Successes {
-    /// Episodes of a policy.
+    /// Episodes per policy.
     pub episodes: usize,
-    /// Policies that are compared.
+    /// Number of policies compared.
     pub policies: usize,
-    /// The fewest successes that establish the expectation of a policy, or the most where it expects less;
-    /// none do where absent.
+    /// The fewest successes that establish the expectation for a policy (the most for `<`); absent when no
+    /// number does.
     pub holds: Option<u64>,
-    /// The most successes that refute it, or the fewest where it expects less.
+    /// The most successes that refute it (the fewest for `<`); absent when no number does.
     pub fails: Option<u64>,
-    /// The chance of a PASS where every policy has such a share.
+    /// The power at given shares of successes.
     pub powers: Vec<PowerAtShare>,
-    /// All of it in words.
+    /// A summary in words.
     pub told: String,
 }
 
-/// The chance of a PASS at a share.
+/// The chance of a PASS when every policy has the same share of successes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PowerAtShare {
     /// The share of successes of every policy.
@@ -80,7 +80,7 @@ pub struct PowerAtShare {
     pub power: f64,
 }
 
-/// The tests of the claims of a suite with these arms; a claim has the seeds of the arm that has the fewest.
+/// The tests of a suite's claims with these arms, each with as many seeds as its smallest arm has.
 pub fn planned(claims: &[Claim], arms: &[PlannedArm]) -> Vec<Planned> {
     let level = |claim: &Claim| claim.alpha / claims.len().max(1) as f64;
     claims.iter().filter_map(|claim| one(claim, arms, level(claim))).collect()
@@ -110,7 +110,7 @@ fn one(claim: &Claim, arms: &[PlannedArm], level: f64) -> Option<Planned> {
     })
 }
 
-/// The successes that decide a claim about one boundary by the test `wilson`.
+/// The successes that decide a `wilson` claim with a single boundary.
 fn successes(
     claim: &Claim,
     test: &StatisticKind,
@@ -153,7 +153,7 @@ fn successes(
         };
         is_beyond && is_shown
     };
-    // The count nearest to the boundary that lies beyond it.
+    // The count beyond the boundary that is nearest to it.
     let nearest = |level: f64, above: bool| {
         if above {
             (0..=trials).find(|count| decides(*count, level, true))
@@ -189,8 +189,8 @@ fn successes(
 }
 
 impl Successes {
-    /// The chance of a PASS where every policy has this share; `None` where it is not of one or all
-    /// alternatives.
+    /// The chance of a PASS when every policy has this share; `None` unless one or all alternatives decide
+    /// the claim.
     fn power(
         &self,
         share: f64,
@@ -210,7 +210,7 @@ impl Successes {
             if is_above { (from(self.holds), to(self.fails)) } else { (to(self.holds), from(self.fails)) };
         let all = |chance: f64, policies: usize| libm::pow(chance, policies as f64);
         match (is_negated, needed) {
-            // One policy that is refuted refutes its alternative; every alternative must be.
+            // Refuting one policy refutes its alternative; the claim fails when all alternatives are refuted.
             (true, 1) => Some(groups.iter().map(|policies| 1.0 - all(1.0 - fails, *policies)).product()),
             (false, 1) => {
                 Some(1.0 - groups.iter().map(|policies| 1.0 - all(holds, *policies)).product::<f64>())
@@ -248,7 +248,7 @@ fn unit(claim: &Claim, metric: &MetricKind) -> &'static str {
 }
 
 impl Planned {
-    /// Its cells in the table of a plan: claim, test, n, level, what it detects, power, seeds for 80 %.
+    /// Its row in the table of a plan: claim, test, n, level, detectable effect, power, seeds for 80 %.
     pub fn cells(&self) -> [String; 7] {
         let absent = || "-".to_owned();
         let amount = |value: f64| match self.metric_unit {
@@ -316,7 +316,7 @@ mod tests {
         };
         let plan = |effect: f64, seeds: usize| with(&[claim(effect)], [seeds; 2]).remove(0);
         assert_eq!(with(&[claim(0.3)], [5, 3])[0].seeds, 3, "the arm with the fewest seeds decides");
-        // Two standard deviations beyond the margin, 17 runs for one.
+        // The true value is two standard deviations beyond the margin: 17 runs suffice.
         assert!(plan(0.3, 17).power.is_some_and(|power| (power - 0.8).abs() < 0.01), "{:?}", plan(0.3, 17));
         assert_eq!(plan(0.3, 3).seeds_needed, Some(17));
         assert!(plan(0.3, 17).detects.is_some_and(|distance| (distance - 0.1).abs() < 0.002));
@@ -355,7 +355,7 @@ mod tests {
             points.iter().map(|points| PlannedArm { points, seeds: 3, fields: &fields }).collect();
         let claims: Vec<Claim> = (0..6).map(|_| claim.clone()).collect();
         let found = planned(&claims, &arms).remove(0).successes.expect("counts");
-        // Six claims: each policy passes at 0.00833 and is refuted at a ninth of it.
+        // Six claims: each policy passes at 0.00833 and is refuted at a ninth of that level.
         assert_eq!(
             (found.holds, found.fails, found.policies, found.episodes),
             (Some(125), Some(103), 9, 128)

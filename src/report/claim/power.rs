@@ -1,4 +1,4 @@
-//! What would settle a claim that is open: how many runs or episodes, from the variance that was observed.
+//! How many more runs or episodes would settle an open claim, from the observed variance.
 
 use super::{Case, Evidence, Judged, Ruling};
 use crate::kinds::statistic::{self, Method};
@@ -13,11 +13,11 @@ use crate::statistics::{mean, rank, trend};
 /// What would settle an open comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Needed {
-    /// So many runs per arm or episodes per policy.
+    /// Runs per arm, or episodes per policy.
     Number(usize),
-    /// More than can be run: the estimate lies on the boundary, or too near.
+    /// More than can be run: the estimate lies on the boundary or too close to it.
     TooMany,
-    /// The data do not say, for this reason.
+    /// Cannot be estimated, for this reason.
     NotEstimated(&'static str),
 }
 
@@ -27,11 +27,11 @@ impl From<Option<usize>> for Needed {
     }
 }
 
-/// Why the runs of an arm give no spread.
+/// The reason when an arm has a single run.
 const NO_SPREAD: Needed = Needed::NotEstimated("a single run has no spread");
 
-/// How many runs per arm or episodes would settle a claim of so many that are corrected together; `None` for
-/// a claim that is settled, that lacks runs, or whose robots fail their task.
+/// How many runs per arm or episodes would settle a claim that is corrected together with `claims` claims.
+/// `None` for a claim that is settled, that lacks runs, or whose robots fail their task.
 pub fn settled_by(claim: &Judged, claims: usize) -> Option<String> {
     if claim.verdict != Ruling::NotEstablished || !claim.missing.is_empty() {
         return None;
@@ -40,7 +40,7 @@ pub fn settled_by(claim: &Judged, claims: usize) -> Option<String> {
     let is_open = |case: &&Case| case.verdict == Ruling::NotEstablished;
     let mut open: Vec<&Case> = claim.cases.iter().filter(is_open).collect();
     if open.is_empty() {
-        // Open by the correction alone.
+        // All comparisons are decided, and only the correction leaves the claim open.
         open.extend(&claim.cases);
     }
     let needed: Vec<Needed> = open.into_iter().map(|case| needed(claim, case, level)).collect();
@@ -80,7 +80,7 @@ fn needed(claim: &Judged, case: &Case, level: f64) -> Needed {
     let (Some(value), Some(evidence)) = (case.estimate.value, &case.evidence) else {
         return Needed::NotEstimated("there is no estimate");
     };
-    // The boundary that is nearest is the hardest to be told from.
+    // The nearest boundary is the hardest to distinguish from the estimate.
     let ends = claim.bounds.iter().flatten().copied();
     let Some(nearest) = ends.min_by(|a, b| (value - a).abs().total_cmp(&(value - b).abs())) else {
         return Needed::NotEstimated("its boundary is not recorded");
@@ -90,7 +90,7 @@ fn needed(claim: &Judged, case: &Case, level: f64) -> Needed {
         Evidence::Runs { values, .. } => {
             match statistic::find(&claim.test).map(|test| (test.method, test.least)) {
                 Some((Method::MannWhitney | Method::ProbabilityOfImprovement, least)) => {
-                    // The boundary of a probability is that of equal arms.
+                    // A probability of improvement is tested against that of equal arms.
                     let shift = if claim.test == "mann_whitney" { nearest } else { 0.0 };
                     by_rank(values, claim.factor, shift, least(level), level)
                 }
@@ -110,7 +110,7 @@ fn needed(claim: &Judged, case: &Case, level: f64) -> Needed {
     }
 }
 
-/// Means of runs, by the spread between them.
+/// For means of runs, from the spread between runs.
 fn by_mean(values: &[Vec<Vec<Option<f64>>>], claim: &Judged, distance: f64, level: f64) -> Needed {
     let spread = |(side, strata): (usize, &Vec<Vec<Option<f64>>>)| {
         let factor = if side == 0 { 1.0 } else { claim.factor };
@@ -118,7 +118,7 @@ fn by_mean(values: &[Vec<Vec<Option<f64>>>], claim: &Judged, distance: f64, leve
             true => trend::weights(strata.len()),
             false => vec![1.0 / strata.len() as f64; strata.len()],
         };
-        // The variance of a weighted sum of means.
+        // Variance of a weighted sum of means.
         let squares: Vec<f64> = strata
             .iter()
             .map(|runs| {
@@ -141,8 +141,7 @@ fn by_mean(values: &[Vec<Vec<Option<f64>>>], claim: &Judged, distance: f64, leve
     }
 }
 
-/// The order of runs, by how often one arm is ahead; a run that never reached the threshold is later than all
-/// others.
+/// For ranks of runs, from how often one arm is ahead; a run that never reached the threshold ranks last.
 fn by_rank(values: &[Vec<Vec<Option<f64>>>], factor: f64, shift: f64, least: usize, level: f64) -> Needed {
     let side = |at: usize, moved: &dyn Fn(f64) -> f64| -> Vec<f64> {
         values[at].iter().flatten().map(|run| run.map_or(f64::INFINITY, moved)).collect()
@@ -156,7 +155,7 @@ fn by_rank(values: &[Vec<Vec<Option<f64>>>], factor: f64, shift: f64, least: usi
     })
 }
 
-/// One share of successes, when it stays as it is.
+/// For a single share of successes, assuming that it stays the same.
 fn by_share(successes: u64, trials: u64, nearest: f64, level: f64) -> Needed {
     if trials == 0 {
         return Needed::NotEstimated("there are no episodes");
@@ -167,21 +166,19 @@ fn by_share(successes: u64, trials: u64, nearest: f64, level: f64) -> Needed {
     episodes_needed(successes as f64 / trials as f64, nearest, level).into()
 }
 
-/// The difference or the slope of shares of different episodes. Shares without spread are those of as many
-/// episodes again.
+/// For the difference or slope of shares of different episodes, from their corrected variance.
 fn by_shares(counts: &[[u64; 2]], is_trend: bool, distance: f64, level: f64) -> Needed {
     let weights = if is_trend { trend::weights(counts.len()) } else { vec![1.0; counts.len()] };
     let part = |(weight, [successes, trials]): (&f64, &[u64; 2])| {
-        // Agresti and Caffo's two successes and two failures keep a share of all or none from having no
-        // variance.
+        // Agresti and Caffo's two successes and two failures keep the variance of a share of 0 or 1 positive.
         let share = (*successes as f64 + 1.0) / (*trials as f64 + 2.0);
         weight * weight * share * (1.0 - share)
     };
     observations_needed(distance, weights.iter().zip(counts).map(part).sum(), level).into()
 }
 
-/// The same episodes on two sides, by how often only one of them succeeds; where they never differ, as many
-/// of them again.
+/// For paired episodes, from how often only one side succeeds; if they never differ, from repeating the same
+/// outcomes.
 fn by_pairs(pairs: Pairs, nearest: f64, distance: f64, level: f64) -> Needed {
     let total = pairs.total();
     if total == 0 {
@@ -204,7 +201,7 @@ fn by_pairs(pairs: Pairs, nearest: f64, distance: f64, level: f64) -> Needed {
     observations_needed(distance, only_first + only_second - difference * difference, level).into()
 }
 
-/// Values of episodes, by the spread between them or between the differences of the same episodes.
+/// For values of episodes, from the spread between them or between the differences of paired episodes.
 fn by_episodes(values: &[Vec<f64>], paired: bool, factor: f64, distance: f64, level: f64) -> Needed {
     let differences: Option<Vec<f64>> = match values {
         [first, second] if paired => Some(first.iter().zip(second).map(|(a, b)| a - factor * b).collect()),
@@ -224,7 +221,7 @@ fn by_episodes(values: &[Vec<f64>], paired: bool, factor: f64, distance: f64, le
     match variance {
         None => Needed::NotEstimated("a single episode has no spread"),
         Some(_) if distance == 0.0 => Needed::TooMany,
-        // Without any spread the fewest episodes of a bootstrap settle it.
+        // Without spread, the fewest episodes that a bootstrap accepts are enough.
         Some(0.0) => Needed::Number(mean::FEWEST),
         Some(variance) => observations_needed(distance, variance, level).into(),
     }

@@ -1,11 +1,11 @@
-//! What the comparisons of a claim come to together, and at which level each is judged.
+//! Combines the comparisons of a claim into its verdict, and derives the level of each comparison.
 //!
-//! The claim that at some of S alternatives all of their comparisons hold is a union of intersections. An
-//! alternative is established by the intersection of its comparisons (each at the alternative's level: the
+//! "At some of S alternatives all comparisons hold" is a union of intersections. An alternative is
+//! established by the intersection of its comparisons (each at the alternative's level: the
 //! intersection-union test, Berger 1982) and refuted by any one of them (at that level divided by their
-//! number: Bonferroni). Some alternative is established by any one of them (at alpha / S: union-intersection,
-//! Roy 1953), and refuted when every one is (each at alpha: again intersection-union). `each` is the same
-//! with one alternative, `none` the opposite.
+//! number: Bonferroni). "Some alternative" is established by any one of them (at alpha / S:
+//! union-intersection, Roy 1953), and refuted when every one is (each at alpha: intersection-union again).
+//! `each` is the case of a single alternative, `none` the opposite of `some`.
 
 use super::{Alternative, Case, Ruling};
 use crate::spec::claim::Over;
@@ -15,9 +15,9 @@ use crate::spec::claim::Over;
 pub struct Weighed {
     /// The comparison.
     pub case: Case,
-    /// The p value for what is expected; `None` when the sample gives none.
+    /// The p value in favour of the expectation; `None` when the sample gives none.
     pub p_for: Option<f64>,
-    /// That for the opposite.
+    /// The p value against it.
     pub p_against: Option<f64>,
 }
 
@@ -32,7 +32,7 @@ pub struct Quantifier {
 }
 
 impl Quantifier {
-    /// Sorts comparisons, given the alternative of each.
+    /// Groups comparisons, given the alternative of each.
     pub fn new<'a>(over: Option<&Over>, alternatives: impl Iterator<Item = &'a str>) -> Self {
         let mut sorted: Vec<(String, Vec<usize>)> = Vec::new();
         for (place, own) in alternatives.enumerate() {
@@ -41,7 +41,7 @@ impl Quantifier {
                 None => sorted.push((own.to_owned(), vec![place])),
             }
         }
-        // That at most so many hold is the opposite of one more holding.
+        // "At most n hold" is the opposite of "at least n + 1 hold".
         let needed = match over {
             Some(Over::AtLeast(count)) => *count,
             Some(Over::AtMost(count)) => count + 1,
@@ -52,20 +52,20 @@ impl Quantifier {
         Self { alternatives: sorted, needed, is_listed, is_negated }
     }
 
-    /// How many alternatives must be opposed so that too few are left to hold.
+    /// How many alternatives must be refuted so that too few remain.
     fn refuting(&self) -> usize {
         (self.alternatives.len() + 1).saturating_sub(self.needed)
     }
 
-    /// By how much alpha is divided where the comparison at a place is to hold, and where it is to be opposed
-    /// (partial conjunctions, Benjamini and Heller 2008).
+    /// The divisors of alpha for establishing and for refuting the comparison at this index (partial
+    /// conjunctions, Benjamini and Heller 2008).
     pub fn divisors(&self, place: usize) -> [f64; 2] {
         let own = self.alternatives.iter().find(|(_, places)| places.contains(&place));
         let comparisons = own.map_or(1, |(_, places)| places.len());
         [self.refuting().max(1) as f64, (self.needed * comparisons) as f64]
     }
 
-    /// What becomes of the claim.
+    /// The verdict on the claim.
     pub fn ruling(&self, cases: &[Weighed]) -> Ruling {
         let rulings: Vec<Ruling> =
             self.alternatives.iter().map(|(_, places)| together(cases, places)).collect();
@@ -83,7 +83,7 @@ impl Quantifier {
         }
     }
 
-    /// What became of each alternative; none for a claim that has only one.
+    /// The verdict at each alternative; empty for a claim with a single one.
     pub fn alternatives(&self, cases: &[Weighed]) -> Vec<Alternative> {
         let sorted = self.alternatives.iter().filter(|_| self.is_listed);
         sorted
@@ -91,8 +91,8 @@ impl Quantifier {
             .collect()
     }
 
-    /// The p value with which the claim enters Holm's correction: the smaller of those for and against it. A
-    /// comparison without a p value counts as one that shows nothing; without any there is none.
+    /// The p value that enters Holm's correction: the smaller of those for and against the claim. A
+    /// comparison without a p value counts as p = 1; `None` when no comparison has one.
     pub fn p(&self, cases: &[Weighed]) -> Option<f64> {
         if cases.iter().all(|weighed| weighed.p_for.is_none()) {
             return None;
@@ -104,7 +104,7 @@ impl Quantifier {
             let least = places.iter().map(|place| cases[*place].p_against.unwrap_or(1.0)).fold(1.0, f64::min);
             (least * places.len() as f64).min(1.0)
         };
-        // The p value of so many of these hypotheses being false: Bonferroni's over those that may be true.
+        // The p value for `count` of these nulls being false: Bonferroni over those that may be true.
         let conjunction = |of: &dyn Fn(&Vec<usize>) -> f64, count: usize| {
             let mut all: Vec<f64> = self.alternatives.iter().map(|(_, places)| of(places)).collect();
             all.sort_by(f64::total_cmp);
@@ -115,7 +115,7 @@ impl Quantifier {
     }
 }
 
-/// Comparisons that must all hold: they do when all pass, and do not when one fails.
+/// Comparisons that must all hold: PASS when all pass, FAIL when any fails.
 fn together(cases: &[Weighed], places: &[usize]) -> Ruling {
     let any = |ruling: Ruling| places.iter().any(|place| cases[*place].case.verdict == ruling);
     match (any(Ruling::Fail), any(Ruling::NotEstablished), places.is_empty()) {
@@ -131,7 +131,7 @@ mod tests {
 
     use super::*;
 
-    /// A comparison with this p value, on the expected side or the other.
+    /// A comparison with this p value, for or against the expectation.
     fn weighed(verdict: Ruling, p: f64, expected: bool) -> Weighed {
         let [p_for, p_against] = if expected { [p, 1.0] } else { [1.0, p] }.map(Some);
         Weighed { case: Case { verdict, p: Some(p), ..Case::default() }, p_for, p_against }
@@ -186,12 +186,12 @@ mod tests {
     fn p_values_are_the_largest_of_an_intersection_and_the_smallest_of_a_union_times_its_size() {
         let places = || ["k8", "k8", "k4", "k4"].into_iter();
         let quantifier = Quantifier::new(Some(&some()), places());
-        // For: k8 has 0.02 (the larger), k4 cannot hold; two alternatives: 0.04. Against: k8 cannot be
-        // opposed.
+        // In favour: k8 has 0.02 (the larger), k4 cannot hold, and with two alternatives that gives 0.04. k8
+        // cannot be refuted.
         let cases = [(0.01, true), (0.02, true), (0.001, false), (0.3, true)];
         let cases = cases.map(|(p, side)| weighed(NotEstablished, p, side));
         assert!((quantifier.p(&cases).expect("a p") - 0.04).abs() < 1e-12);
-        // Against: k8 has 2 x 0.004, k4 2 x 0.01, and the larger counts; for it there is nothing.
+        // Against: k8 has 2 x 0.004, k4 2 x 0.01, and the larger counts. Nothing is in favour.
         let cases = [(0.004, false), (0.2, true), (0.01, false), (0.05, false)];
         let cases = cases.map(|(p, side)| weighed(NotEstablished, p, side));
         assert!((quantifier.p(&cases).expect("a p") - 0.02).abs() < 1e-12);
@@ -224,7 +224,7 @@ mod tests {
                 "{verdicts:?}"
             );
         }
-        // Three of four: each at alpha / 2; against it two of four, each at alpha / 3.
+        // Three of four: each at alpha / 2. The opposite needs two of four, each at alpha / 3.
         let quantifier = Quantifier::new(Some(&least), labels());
         assert_eq!(quantifier.divisors(0), [2.0, 3.0]);
         let cases = [(0.01, true), (0.03, true), (0.02, true), (0.4, false)];

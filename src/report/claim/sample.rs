@@ -1,4 +1,4 @@
-//! From runs to samples: the value of every run, or the values of every episode, and what is missing.
+//! Extracts samples from runs: one value per run or per episode, and what is missing.
 
 use super::Observed;
 use crate::escape::markdown::code;
@@ -22,11 +22,11 @@ use crate::statistics::test::Sample;
 pub struct Found {
     /// The label of the case.
     pub label: String,
-    /// Its point on the axis that the claim is over; empty when it is over none.
+    /// Its point on the axis that the claim quantifies over; may be empty.
     pub alternative: String,
     /// Its values.
     pub sample: Sample,
-    /// The stages of the runs that they come from.
+    /// The stages that the values come from.
     pub sources: Vec<Source>,
 }
 
@@ -35,11 +35,11 @@ pub struct Found {
 pub struct Samples {
     /// The samples by case.
     pub cases: Vec<Found>,
-    /// Sentences.
+    /// Sentences that say what is missing.
     pub missing: Vec<String>,
 }
 
-/// Collects what a claim is about.
+/// Collects the samples that a claim compares.
 pub fn samples(claim: &Claim, (metric, unit): (&MetricKind, Unit), arms: &[Observed]) -> Samples {
     let points: Vec<&Points> = arms.iter().map(|arm| arm.points).collect();
     let cases = cases(claim, &points);
@@ -73,7 +73,7 @@ pub fn samples(claim: &Claim, (metric, unit): (&MetricKind, Unit), arms: &[Obser
                 all.iter_mut().zip(strata).for_each(|(side, stratum)| side.push(stratum));
             }
             let (label, alternative) = Default::default();
-            // The episodes of the points of a trend are pooled where their runs have no spread.
+            // The episodes at the points of a trend are pooled when their runs have no spread.
             let episodes = episodes.into_iter().min().flatten().filter(|_| matches!(over, Over::Trend(_)));
             let sample = Sample::Runs { sides: all, episodes };
             collector.found.cases.push(Found { label, alternative, sample, sources });
@@ -139,13 +139,13 @@ impl Collector<'_> {
         values
     }
 
-    /// The value of a run: its metric, or how that stands to its baseline; `None` when it was not measured.
+    /// The value of a run: its metric, relative to the baseline if the claim has one; `None` if not measured.
     fn value(&self, of: (&Observed, u64), run: &Arm) -> Option<f64> {
         run_value(run, self.compared(of, run)?, self.claim, self.metric)
     }
 
-    /// The run that a run is compared with: itself, or that of the same seed in the arm's twin; `None` when
-    /// there is none.
+    /// The baseline of a run: the run itself, or the run with the same seed in the twin arm; `None` if
+    /// missing.
     fn compared<'r>(&'r self, (arm, seed): (&Observed, u64), own: &'r Arm) -> Option<&'r Arm> {
         let Some(pattern) = self.claim.baseline.as_ref().and_then(|baseline| baseline.twin.as_ref()) else {
             return Some(own);
@@ -155,7 +155,7 @@ impl Collector<'_> {
         run(&self.arms[twin(pattern, &points, at)?], seed)
     }
 
-    /// The fewest episodes behind a run's value where that is a share of episodes.
+    /// The fewest episodes behind a run's value, where that is a share of episodes.
     fn fewest_episodes(&self, arms: &[&Observed]) -> Option<usize> {
         if self.metric.scale != metric::Scale::Success || self.claim.baseline.is_some() {
             return None;
@@ -169,8 +169,8 @@ impl Collector<'_> {
         Some(evaluation).filter(|evaluation| values(run, evaluation, self.metric).is_some())
     }
 
-    /// The values of the episodes of a run, each less its baseline's; `None` when they were not measured or
-    /// are not the same episodes.
+    /// The value of each episode of a run, relative to the baseline if the claim has one; `None` if not
+    /// measured or if the episodes are not the same.
     fn of_episodes(&self, of: (&Observed, u64), own: &Arm) -> Option<(Vec<f64>, Evaluation)> {
         let evaluation = self.evaluation(own)?;
         let found = values(own, evaluation, self.metric)?;
@@ -183,7 +183,7 @@ impl Collector<'_> {
         found.iter().all(|value| value.is_finite()).then(|| (found, evaluation.clone()))
     }
 
-    /// The episodes of every seed that all sides have; several seeds are a case each.
+    /// Collects the episodes of every seed that all sides have. Each of several seeds is a case of its own.
     fn episodes(&mut self, (label, alternative): (String, String), arms: &[&Observed]) {
         let mut seeds: Vec<u64> =
             arms.iter().flat_map(|arm| arm.runs.iter().map(|(seed, _)| *seed)).collect();
@@ -207,8 +207,8 @@ impl Collector<'_> {
         }
     }
 
-    /// Says when both sides of a case have one and the same result, which differs from itself in nothing. The
-    /// check refuses such claims of a suite as it stands; a profile may remove what told its arms apart.
+    /// Records when both sides of a case use the same result, so that they cannot differ. `check` refuses
+    /// such claims, but a profile may remove what distinguishes the arms.
     fn lack_a_difference(&mut self, case: &Case) {
         let Some(other) = case.b else { return };
         let [one, other] = [&self.arms[case.a], &self.arms[other]];
@@ -256,19 +256,18 @@ pub fn name(points: &Points) -> String {
     points.iter().map(|(axis, point)| format!("{axis}={point}")).collect::<Vec<_>>().join(",")
 }
 
-/// What a claim asks of a metric.
+/// The parameters of a claim's metric.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Asked<'a> {
-    /// The return that is waited for.
+    /// The return to reach.
     pub threshold: Option<f64>,
-    /// The samples of a training that count; all without it.
+    /// The number of training samples to consider; all if absent.
     pub until: Option<f64>,
-    /// The parameter that failures are about.
+    /// The parameter whose effect on failures is measured.
     pub parameter: Option<&'a str>,
 }
 
-/// The value of a run that a claim is about, given the run that it is compared with; `None` when it was not
-/// measured.
+/// The value of a run for a claim, given its baseline run; `None` if not measured.
 pub fn run_value(run: &Arm, compared: &Arm, claim: &Claim, metric: &MetricKind) -> Option<f64> {
     let asked =
         Asked { threshold: claim.threshold, until: claim.until, parameter: claim.parameter.as_deref() };
@@ -279,8 +278,8 @@ pub fn run_value(run: &Arm, compared: &Arm, claim: &Claim, metric: &MetricKind) 
     value.is_finite().then_some(value)
 }
 
-/// The mean of a metric over the episodes of a stage of a run, the metric of all of them, or that of its
-/// training; `None` when it was not measured.
+/// A metric of a run: its mean over the episodes of a stage, its value over all of them, or its value for the
+/// training; `None` if not measured.
 pub fn value_of(run: &Arm, stage: &str, metric: &MetricKind, asked: Asked) -> Option<f64> {
     match metric.source {
         metric::Source::Whole(of) => of(&evaluation_of(run, stage)?.episodes),
@@ -302,7 +301,7 @@ pub fn value_of(run: &Arm, stage: &str, metric: &MetricKind, asked: Asked) -> Op
     }
 }
 
-/// The training that a metric of learning is about.
+/// The training that a learning metric refers to.
 fn training(stage: &str) -> Training {
     match stage == Training::FineTuning.section() {
         true => Training::FineTuning,
@@ -317,7 +316,7 @@ fn evaluation_of<'r>(run: &'r Arm, stage: &str) -> Option<&'r Evaluation> {
 /// The metric in every episode of an evaluation.
 fn values(run: &Arm, evaluation: &Evaluation, metric: &MetricKind) -> Option<Vec<f64>> {
     match metric.source {
-        // An episode counts when it is survived by a policy that meets the other criteria of its task.
+        // An episode counts if it is survived and the policy meets the other criteria of its task.
         metric::Source::Task => {
             let does = verdict::does_but_for_survival(run, evaluation);
             let of = |episode: &Episode| f64::from(u8::from(does && episode.survived));
@@ -327,7 +326,7 @@ fn values(run: &Arm, evaluation: &Evaluation, metric: &MetricKind) -> Option<Vec
     }
 }
 
-/// The sample of the episodes of one seed.
+/// The sample for the episodes of one seed.
 fn sample(sides: Vec<(Vec<f64>, Evaluation)>) -> Sample {
     let paired = matches!(sides.as_slice(), [(_, first), (_, second)] if are_paired(first, second));
     Sample::Episodes { sides: sides.into_iter().map(|(values, _)| values).collect(), paired }

@@ -1,4 +1,4 @@
-//! Claims in a report: a table, and a sentence each.
+//! Claims in a report: a table, and a sentence for each.
 
 use super::{Case, Evidence, Judged, Ruling};
 use crate::escape::markdown::code;
@@ -44,7 +44,7 @@ fn row(claim: &Judged, case: Option<&Case>) -> Vec<Cell> {
     };
     let measured = Cell::from(measured);
     let p = match (case.and_then(|case| case.p), claim.p_adjusted) {
-        // The claim's own p stands in its sentence.
+        // The claim's own p value is in its sentence.
         (Some(p), _) if own.is_some() => told(p, case),
         (None, Some(adjusted)) if case.is_none() => format!("corrected {}", significance(adjusted)),
         (Some(p), Some(adjusted)) => format!("{}, corrected {}", told(p, case), significance(adjusted)),
@@ -60,7 +60,7 @@ fn row(claim: &Judged, case: Option<&Case>) -> Vec<Cell> {
     words.into_iter().chain([measured]).chain(rest).collect()
 }
 
-/// A p value, and whether it is the smallest that so few runs can have.
+/// A p value, with a note if it is the smallest possible with so few runs.
 fn told(p: f64, case: Option<&Case>) -> String {
     let is_of_few = |case: &Case| case.fewest < FEW && matches!(case.evidence, Some(Evidence::Runs { .. }));
     match case {
@@ -71,13 +71,13 @@ fn told(p: f64, case: Option<&Case>) -> String {
     }
 }
 
-/// The confidence of a claim's intervals, and beside it what a bootstrap over so few runs covers.
+/// The confidence level of a claim's intervals, and the actual coverage of a bootstrap over so few runs.
 fn confidence(claim: &Judged, case: Option<&Case>) -> String {
     let named = format!("{} %", percent(1.0 - claim.alpha));
     let is_bootstrap = ["stratified_bootstrap", "probability_of_improvement"].contains(&claim.test.as_str());
     let few = case.filter(|_| is_bootstrap).and_then(|case| Some((case, coverage(case.fewest)?)));
     let Some((case, [mean, difference])) = few else { return named };
-    // Simulated for means of one stratum, at the usual level.
+    // Coverage was simulated for means of a single stratum at the 5 % level.
     let is_known = claim.test == "stratified_bootstrap"
         && percent(claim.alpha) == 5.0
         && case.n.iter().min() == Some(&case.fewest);
@@ -111,8 +111,7 @@ pub fn count(judged: &[Judged]) -> String {
     }
 }
 
-/// Which claims mean nothing because robots fail their task, with the runs that do; `None` without such
-/// claims.
+/// Which claims are meaningless because robots fail their task, with these runs; `None` without such claims.
 pub fn meaningless(judged: &[Judged]) -> Option<String> {
     let claims: Vec<&Judged> = judged.iter().filter(|claim| claim.verdict == Ruling::NotMeaningful).collect();
     let ids: Vec<String> = claims.iter().map(|claim| claim.id.clone()).collect();
@@ -131,7 +130,7 @@ pub fn meaningless(judged: &[Judged]) -> Option<String> {
     })
 }
 
-/// What was measured, for a table of many suites: the number with its interval and n, or how many comparisons
+/// The measurement in a table of many suites: the number with its interval and n, or how many comparisons
 /// pass.
 pub fn in_brief(claim: &Judged) -> String {
     match claim.cases.as_slice() {
@@ -163,7 +162,7 @@ fn alternatives(claim: &Judged) -> String {
     format!("holds at {holds} of {all} {of}, fails at {fails}{open}")
 }
 
-/// How the claims are corrected for their number, in a sentence; empty without claims.
+/// One sentence on the correction for multiple claims; empty without claims.
 pub fn correction(judged: &[Judged]) -> String {
     let untested: Vec<String> =
         judged.iter().filter(|claim| claim.p.is_none()).map(|claim| format!("`{}`", claim.id)).collect();
@@ -178,13 +177,13 @@ pub fn correction(judged: &[Judged]) -> String {
     }
 }
 
-/// One sentence per claim, with what is missing and what must be known.
+/// One sentence per claim, with missing runs and caveats.
 pub fn sentences(judged: &[Judged]) -> Vec<String> {
     let corrected = judged.len() > 1;
     judged.iter().map(|claim| sentence(claim, corrected)).collect()
 }
 
-/// What became of a claim; `corrected`: its p value is one of several.
+/// The verdict on a claim; `corrected`: its p value is corrected for multiple claims.
 fn sentence(claim: &Judged, corrected: bool) -> String {
     let mut text = format!("**{}**: {}. ", claim.verdict.word(), claim.text.trim_end_matches('.'));
     text += &match claim.cases.as_slice() {
@@ -245,7 +244,7 @@ fn metric_of(claim: &Judged) -> &str {
     metric::find(name).map_or(name, |metric| metric.label)
 }
 
-/// Names, the first of many.
+/// Lists names, abbreviated if there are many.
 fn some(names: &[String]) -> String {
     const NAMED: usize = 6;
     let shown: Vec<String> = names.iter().take(NAMED).map(|name| code(name)).collect();
@@ -279,7 +278,7 @@ fn evidence(claim: &Judged, case: &Case) -> String {
     )
 }
 
-/// The estimate with its unit: differences of shares are points.
+/// The estimate with its unit: differences of shares are in percentage points.
 fn shown(case: &Case) -> String {
     let text = with_interval(&case.estimate, true);
     match (case.estimate.unit.as_str(), case.sides.len()) {

@@ -1,4 +1,4 @@
-//! Claims judged on made-up runs whose truth is known.
+//! Tests the claims on synthetic runs with a known truth.
 
 use super::*;
 use crate::diag::{Sink, Sources};
@@ -10,7 +10,7 @@ use crate::syntax::Item;
 
 type Point = (String, String);
 
-/// A run whose episodes survive by this list, with this speed.
+/// A run with these survivals and this speed.
 fn run(survived: &[bool], speed: f64) -> Arm {
     let episode = |(index, survived): (usize, &bool)| Episode {
         stream: format!("1000/episode/{index}"),
@@ -32,7 +32,7 @@ fn run(survived: &[bool], speed: f64) -> Arm {
     }
 }
 
-/// A run in which so many of 20 episodes survive.
+/// A run in which `count` of 20 episodes survive.
 fn surviving(count: usize) -> Arm {
     run(&(0..20).map(|index| index < count).collect::<Vec<_>>(), count as f64 / 20.0)
 }
@@ -229,7 +229,7 @@ fn one_result_on_both_sides_leaves_the_claim_open() {
 
 #[test]
 fn arms_that_are_all_alike_are_decided_by_fishers_test_over_the_seeds() {
-    // With three runs per arm no order is significant, with four it is.
+    // With three runs per arm no order is significant; with four it is.
     assert_eq!(verdict("expect = \"a > b\"", &[20; 3], &[0; 3]), Ruling::NotEstablished);
     assert_eq!(verdict("expect = \"a > b\"", &[20; 4], &[0; 4]), Ruling::Pass);
     assert_eq!(verdict("expect = \"a > b\"", &[20; 4], &[20; 4]), Ruling::NotEstablished);
@@ -260,7 +260,7 @@ fn equal_shares_are_equivalent_within_a_margin_and_refute_an_effect() {
         Ruling::NotEstablished,
         "without an effect nothing does"
     );
-    // 98 % and 100 % of 300 episodes each are not shown to be within 2 points.
+    // 98 % and 100 % of 300 episodes each do not establish a difference within 2 points.
     assert_eq!(verdict("expect = \"a == b within 1 %\"", all, all), Ruling::NotEstablished);
 }
 
@@ -340,8 +340,8 @@ fn settings_that_learn_are_counted() {
         format!("over = {{ {over} }}\nexpect = \"a > 76 %\"\nmetric = \"evaluate.nominal.task_success\"")
     };
     let counts = [[20, 20], [20, 0]];
-    // Three of four learn: each at alpha / 2, where the lower end of 20 of 20 is 0.799; one of four at alpha
-    // / 4, where it is 0.762.
+    // Three of four learn: each is tested at alpha / 2, where the lower end for 20 of 20 is 0.799. One of
+    // four: alpha / 4, where it is 0.762.
     let found = over_settings(&lines("at_least = 3"), counts);
     assert_eq!((found.verdict, found.over.as_str()), (Ruling::Pass, "at least 3"));
     assert_eq!(over_settings(&lines("at_most = 0"), counts).verdict, Ruling::Fail);
@@ -379,7 +379,7 @@ fn open_claims_about_episodes_and_ranks_say_what_settles_them() {
         assert_eq!(found.verdict, Ruling::NotEstablished, "{test}");
         found.settled_by.expect("it is open")
     };
-    // Three pairs, 20 episodes each, of which 2 more survive on one side.
+    // Three pairs of 20 episodes each; 2 more survive on one side.
     for test in ["mcnemar", "newcombe", "episode_bootstrap"] {
         let told = told(test, "a > b", &[18; 3], &[16; 3]);
         assert!(
@@ -387,7 +387,7 @@ fn open_claims_about_episodes_and_ranks_say_what_settles_them() {
             "{test}: {told}"
         );
     }
-    // The shares that are equal lie on the boundary.
+    // Equal shares lie on the boundary.
     let equal = told("mcnemar", "a > b", &[18; 3], &[18; 3]);
     assert_eq!(equal, "no number of episodes that can be run settles it at the observed estimate");
     let ranks = told("mann_whitney", "a > b", &[14, 17, 12, 18, 15], &[13, 10, 16, 11, 12]);
@@ -400,7 +400,7 @@ fn open_claims_about_episodes_and_ranks_say_what_settles_them() {
 fn p_values_are_corrected_over_all_claims_of_the_suite() {
     let runs = |counts: &[usize]| counts.iter().map(|count| surviving(*count)).collect::<Vec<_>>();
     let one = claim("expect = \"a > b\"\ntest = \"mann_whitney\"");
-    // Four against four, apart: p = 2 / 70; of two claims the correction makes it 0.057.
+    // Four fully separated runs per arm: p = 2 / 70. Corrected for two claims it is 0.057.
     let alone = judged(std::slice::from_ref(&one), runs(&HIGH[..4]), runs(&LOW[..4]));
     assert_eq!(alone[0].verdict, Ruling::Pass);
     let both = judged(&[one.clone(), one], runs(&HIGH[..4]), runs(&LOW[..4]));
@@ -411,7 +411,7 @@ fn p_values_are_corrected_over_all_claims_of_the_suite() {
 #[test]
 fn a_threshold_that_is_never_reached_is_later_than_all_others() {
     let metric = "metric = \"learn.samples_to_threshold\"\nthreshold = 5\ntest = \"mann_whitney\"\n";
-    // The mean return rises by the speed with every update: fast runs reach 5, slow ones never.
+    // The mean return rises by the speed with every update: fast runs reach 5, slow runs never do.
     let runs = |speeds: &[f64]| speeds.iter().map(|speed| run(&[true], *speed)).collect::<Vec<_>>();
     let lines = format!("{metric}expect = \"a < b\"");
     let found = &judged(&[claim(&lines)], runs(&[2.0, 2.5, 1.9, 3.0]), runs(&[0.1, 0.2, 0.1, 0.3]))[0];
@@ -428,7 +428,7 @@ fn an_area_counts_the_samples_until_a_number() {
         let lines = format!("{metric}{until}\narm = \"control=torque\"\nexpect = \"a > 1\"");
         judged(&[claim(&lines)], runs(&[2.0, 2.2, 2.4]), runs(&[0.1])).remove(0)
     };
-    // The return rises by the speed with every 100 samples: 1 to 10 speeds, and until 300 samples 1 to 3.
+    // The return rises by the speed every 100 samples: to 10 speeds, or to 3 speeds until 300 samples.
     let [whole, early] = ["", "until = 300"].map(|until| value(until).cases[0].sides[0].expect("a value"));
     assert!((whole - 5.5 * 2.2).abs() < 1e-9 && (early - 2.0 * 2.2).abs() < 1e-9, "{whole} {early}");
     assert_eq!(value("until = 300").metric, "learn.area_under_curve until 300");
@@ -436,8 +436,8 @@ fn an_area_counts_the_samples_until_a_number() {
 
 #[test]
 fn a_policy_is_compared_with_itself_over_the_same_episodes() {
-    // On the box every episode of position control falls that survived on flat ground, and one in four of
-    // torque control.
+    // On the box, position control falls in every episode that it survives on flat ground, and torque control
+    // in one of four.
     let boxed = |flat: usize, boxed: usize| {
         let mut run = surviving(flat);
         let Measured { mut evaluation, .. } = surviving(boxed).evaluations.remove(0);
@@ -460,11 +460,11 @@ fn a_policy_is_compared_with_itself_over_the_same_episodes() {
     assert_eq!(found.verdict, Ruling::Pass, "{found:?}");
     let lost = found.cases.iter().map(|case| case.estimate.value.expect("a value")).collect::<Vec<_>>();
     assert!((lost[0] + 0.8).abs() < 1e-12 && (lost[1] + 0.85).abs() < 1e-12, "{lost:?}");
-    // Pairs of equal seeds: the third torque policy has no counterpart and is not missing.
+    // Runs are paired by seed: the third torque policy has no counterpart and does not count as missing.
     let two = lines("expect = \"a > b + 20 %\"");
     let found = judged(&[claim(&two)], torque(), vec![boxed(20, 0), boxed(20, 1)]).remove(0);
     assert_eq!((found.verdict, found.cases.len(), found.missing.len()), (Ruling::Pass, 2, 0), "{found:?}");
-    // Other episodes are no baseline.
+    // Different episodes cannot be the baseline.
     let mut strangers = vec![boxed(16, 0)];
     strangers[0].evaluations[1].evaluation.episodes[3].stream.push('x');
     let found = judged(&[claim(&one)], torque(), strangers).remove(0);
@@ -499,11 +499,11 @@ fn a_trend_is_the_slope_of_the_means_over_the_points_of_an_axis() {
         );
         judge(&[claim(&lines)], &arms).remove(0)
     };
-    // The paper's counts of 25, as shares of 20.
+    // The paper's counts out of 25, as shares of 20.
     let rising = trend("welch", [[12, 11], [14, 15], [17, 18], [18, 18], [20, 20]]);
     assert_eq!((rising.verdict, rising.cases.len()), (Ruling::Pass, 1), "{rising:?}");
     assert_eq!(trend("welch", [[20; 2]; 5]).verdict, Ruling::Fail, "all survive at every gain");
-    // One policy of each gain: a comparison for each seed.
+    // One policy per gain: a comparison for each seed.
     let policies = trend("newcombe", [[9, 8], [12, 12], [16, 17], [18, 18], [20, 20]]);
     assert_eq!((policies.verdict, policies.cases.len()), (Ruling::Pass, 2), "{policies:?}");
     assert!((policies.cases[0].sides[0].expect("a slope") - 0.14).abs() < 1e-12, "{policies:?}");
@@ -535,7 +535,7 @@ fn the_table_and_the_sentences_show_verdict_numbers_and_the_paper() {
     assert!(brief["interval"][0].as_f64() < brief["estimate"].as_f64(), "{brief}");
 }
 
-/// Judges a claim about two settings in two tasks, one run each, of whose 20 episodes so many survive.
+/// Judges a claim over two settings in two tasks, with one run each of which `counts` of 20 episodes survive.
 fn over_settings(lines: &str, counts: [[usize; 2]; 2]) -> Judged {
     let mut points: Vec<Vec<Point>> = Vec::new();
     let mut runs: Vec<Vec<(u64, Arm)>> = Vec::new();
@@ -558,14 +558,12 @@ fn some_setting_serves_when_one_serves_every_task_at_the_level_of_two_settings()
     let verdict = |expect: &str, counts| {
         over_settings(&format!("over = {{ some = \"setting\" }}\n{expect}"), counts).verdict
     };
-    // Of 20 of 20 the lower end is 20 / (20 + z^2): 0.799 at 97.5 %, where two settings are tried, 0.839 at
-    // 95 %.
+    // For 20 of 20 the lower end is 20 / (20 + z^2): 0.799 at 97.5 % (two settings), 0.839 at 95 %.
     assert_eq!(verdict("expect = \"a > 79 %\"", [[20, 20], [0, 20]]), Ruling::Pass);
     assert_eq!(verdict("expect = \"a > 80 %\"", [[20, 20], [0, 20]]), Ruling::NotEstablished);
     let each = over_settings("over = \"each\"\nexpect = \"a > 80 %\"", [[20, 20], [20, 20]]);
     assert_eq!(each.verdict, Ruling::Pass, "each of them needs no correction");
-    // Each of the two settings is refuted by one of its two tasks: at 97.5 % the upper end of 0 of 20 is
-    // 0.201.
+    // Each setting is refuted by one of its two tasks: at 97.5 % the upper end for 0 of 20 is 0.201.
     assert_eq!(verdict("expect = \"a > 21 %\"", [[20, 0], [0, 20]]), Ruling::Fail);
     assert_eq!(verdict("expect = \"a > 20 %\"", [[20, 0], [0, 20]]), Ruling::NotEstablished);
     assert_eq!(
@@ -580,15 +578,14 @@ fn no_setting_serves_when_every_one_fails_in_a_task_and_the_report_says_which_ho
     let lines = |number: &str| format!("over = {{ none = \"setting\" }}\nexpect = \"a > {number}\"");
     let found = over_settings(&lines("79 %"), [[20, 0], [0, 20]]);
     assert_eq!((found.verdict, found.axis.as_str()), (Ruling::Pass, "setting"));
-    // The score test of 0 of 20 against 0.79 is far smaller than that of any other; twice its p is below
-    // 0.0001.
+    // The score test of 0 of 20 against 0.79 has by far the smallest p value; twice that is below 0.0001.
     assert!(found.p_adjusted.is_some_and(|p| p < 1e-4), "{found:?}");
     let text = &sentences(std::slice::from_ref(&found))[0];
     assert!(text.contains("holds at 0 of 2 points of `setting`, fails at 2"), "{text}");
     let found = over_settings(&lines("79 %"), [[20, 20], [0, 20]]);
     assert_eq!(found.verdict, Ruling::Fail);
-    // The score test of 20 of 20 against 0.79: z = 0.21 / sqrt(0.79 * 0.21 / 20) = 2.3057, p = 0.02113; two
-    // settings.
+    // The score test of 20 of 20 against 0.79: z = 0.21 / sqrt(0.79 * 0.21 / 20) = 2.3057, p = 0.02113,
+    // doubled for two settings.
     assert!(found.p_adjusted.is_some_and(|p| (p - 0.04225).abs() < 1e-4), "{:?}", found.p_adjusted);
     assert!(sentences(std::slice::from_ref(&found))[0].contains("It holds at `position_k8`."));
     let table = table(&[found]);

@@ -10,7 +10,7 @@ use crate::robot::GRAVITY;
 /// The figure's name.
 pub const ID: &str = "contact_forces";
 
-/// The figure, when at least one evaluation has a trace of foot forces.
+/// The figure, if at least one evaluation has a trace of foot forces.
 pub fn figure(input: &ReportInput) -> Option<Figure> {
     let engines = engines(input);
     if engines.is_empty() {
@@ -50,7 +50,7 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
     })
 }
 
-/// The engines with traces, in the order of the arms' evaluations; three at most.
+/// The engines with traces, in the order of the arms' evaluations; at most three.
 fn engines(input: &ReportInput) -> Vec<String> {
     let mut engines: Vec<String> = Vec::new();
     for measured in input.arms.iter().flat_map(|arm| &arm.evaluations) {
@@ -62,7 +62,7 @@ fn engines(input: &ReportInput) -> Vec<String> {
     engines
 }
 
-/// Whether an evaluation kept the foot forces and the schedule of an episode.
+/// Whether an evaluation recorded the foot forces and contact schedule of an episode.
 pub(super) fn has_forces(measured: &Measured) -> bool {
     let trace = &measured.evaluation.trace;
     trace.time.len() > 1
@@ -74,19 +74,19 @@ fn measured<'a>(arm: &'a Arm, engine: &str) -> Option<&'a Measured> {
     arm.evaluations.iter().find(|measured| measured.evaluation.engine == engine && has_forces(measured))
 }
 
-/// The largest vertical force that is shown of any of these, in kN.
+/// The largest vertical force visible in any of these evaluations, in kN.
 pub(super) fn highest<'a>(shown: impl Iterator<Item = &'a Measured>) -> f64 {
     shown.filter(|measured| has_forces(measured)).map(peak).fold(0.0, f64::max) / 1000.0
 }
 
-/// The largest vertical force in the window that is shown, in N.
+/// The largest vertical force in the visible window, in N.
 pub(super) fn peak(measured: &Measured) -> f64 {
     let trace = &measured.evaluation.trace;
     let forces = window::cycles(trace, 2, 1.6).flat_map(|row| trace.foot_force[row].map(|force| force[2]));
     forces.fold(0.0, f64::max)
 }
 
-/// The forces of one evaluation with the schedule; `top` is the largest force of any panel in kN.
+/// The forces of one evaluation with the contact schedule; `top` is the largest force of any panel in kN.
 pub(super) fn panel(
     drawing: &mut Drawing,
     area: Area,
@@ -127,7 +127,7 @@ pub(super) fn panel(
     }
 }
 
-/// The stretches of time during which the flag is set.
+/// The time intervals in which the flag is set.
 fn stretches(flags: &[(f64, bool)]) -> Vec<[f64; 2]> {
     let runs = flags.chunk_by(|a, b| a.1 == b.1).filter(|run| run[0].1);
     let end = |run: &[(f64, bool)]| {

@@ -1,4 +1,4 @@
-//! Why training episodes ended: the shares of the causes over the course of learning.
+//! Why training episodes ended: the shares of the causes over the course of training.
 
 use std::collections::BTreeMap;
 
@@ -11,10 +11,10 @@ use crate::report::plot::{Area, Axis, Drawing, Ink, Panel};
 use crate::report::source::sources;
 use crate::report::wording::labels;
 
-/// Points along the horizontal axis at most; neighbouring updates are put together.
+/// Most points along the horizontal axis; neighbouring updates are merged.
 const POINTS: usize = 48;
 
-/// The figure, when at least one arm counted endings.
+/// The figure, if at least one arm recorded how episodes ended.
 pub fn figure(input: &ReportInput) -> Option<Figure> {
     let arms: Vec<usize> =
         (0..input.arms.len()).filter(|arm| !causes([&input.arms[*arm]]).is_empty()).collect();
@@ -61,7 +61,7 @@ fn causes<'a>(arms: impl IntoIterator<Item = &'a Arm>) -> Vec<String> {
     names
 }
 
-/// One arm; `known` are the causes of all arms, so that a cause has one colour in all panels.
+/// The panel of one arm; `known` are the causes in all arms, so that colours agree between panels.
 fn panel(drawing: &mut Drawing, arm: &Arm, area: Area, (name, known): (&str, &[String])) {
     let causes = causes([arm]);
     let last = arm.updates.last().map_or(1.0, |update| update.samples as f64 / 1e6);
@@ -93,7 +93,7 @@ fn ink(cause: &str, index: usize) -> Ink {
     }
 }
 
-/// For each group of updates its samples in millions and the shares of the causes.
+/// For each group of updates, the samples in millions and the shares of the causes.
 fn shares(arm: &Arm, causes: &[String]) -> Vec<(f64, Vec<f64>)> {
     let group = arm.updates.len().div_ceil(POINTS).max(1);
     let of_group = |updates: &[Update]| {

@@ -12,21 +12,21 @@ use crate::report::wording::{direct_labels, labels, number};
 
 /// The figure's name.
 pub const ID: &str = "learning_curves";
-/// The name of the same figure of the fine-tuning.
+/// The name of the corresponding figure for fine-tuning.
 pub const TUNING_ID: &str = "fine_tuning_curves";
 
 /// Width of the drawing in pixels, unless long names make it wider.
 const WIDTH: f64 = 880.0;
-/// Room to the left for ticks and the label of an axis.
+/// Room on the left for the ticks and label of an axis.
 const LEFT: f64 = 64.0;
-/// The same between two panels.
+/// Room for them between two panels.
 const BETWEEN: f64 = 56.0;
-/// Room to the right of a panel whose lines have no names.
+/// Room to the right of a panel with unnamed lines.
 const NO_LABELS: f64 = 18.0;
-/// Width of a panel at least.
+/// Minimum width of a panel.
 const NARROWEST: f64 = 289.0;
 
-/// What a panel shows of an update.
+/// A quantity of an update, shown in a panel.
 struct Quantity {
     title: &'static str,
     label: &'static str,
@@ -44,7 +44,7 @@ fn quantities(returns: Returns) -> [Quantity; 2] {
     ]
 }
 
-/// The figure of a training, when at least one arm has learned in it.
+/// The figure of a training, if at least one arm has learned in it.
 pub fn figure(input: &ReportInput, training: Training) -> Option<Figure> {
     if input.arms.iter().all(|arm| arm.updates_of(training).is_empty()) {
         return None;
@@ -53,7 +53,7 @@ pub fn figure(input: &ReportInput, training: Training) -> Option<Figure> {
         Training::First => (ID, "Learning curves"),
         Training::FineTuning => (TUNING_ID, "Learning curves of the fine-tuning"),
     };
-    // Where there is one arm its name stands in the caption; several are named at the ends of their lines.
+    // A single arm is named in the caption, several arms at the ends of their lines.
     let room = if input.arms.len() > 1 { label_room(&direct_labels(&input.arms)) } else { NO_LABELS };
     let width = (0.5 * (WIDTH - LEFT - BETWEEN - 2.0 * room)).max(NARROWEST);
     let grid = Area { left: LEFT, top: 34.0, width: 2.0 * width + room + BETWEEN, height: 478.0 };
@@ -119,7 +119,7 @@ fn episode_limit(input: &ReportInput) -> Option<f64> {
     limits.reduce(f64::max)
 }
 
-/// The label of the sample axis, with the simulated time of a million samples where all arms agree on it.
+/// The label of the sample axis, with the simulated time per million samples if all arms agree on it.
 fn samples_label(arms: &[Arm], training: Training) -> String {
     let hours = |arm: &Arm| {
         let last = arm

@@ -1,4 +1,4 @@
-//! The figures of a report: each turns a report's input into one drawing with its caption and sources.
+//! The figures of a report: each turns the report's input into a drawing with a caption and sources.
 
 pub mod contact_forces;
 pub mod endings;
@@ -18,19 +18,19 @@ use crate::plan::Training;
 /// A figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// Its name: the file is `NAME/ID.svg`.
+    /// Its name: the file is `REPORT/ID.svg`.
     pub id: String,
     /// Its title.
     pub title: String,
-    /// What is to be seen, with n.
+    /// What it shows, with n.
     pub caption: String,
     /// The drawing.
     pub drawing: Drawing,
-    /// The stages that it was made from.
+    /// The stages it was made from.
     pub sources: Vec<Source>,
 }
 
-/// The figures that the input has data for; of a suite those that it asks for, or the usual ones.
+/// The figures that the input has data for; for a suite, those it requests or the default ones.
 pub fn all(input: &ReportInput) -> Vec<Figure> {
     if input.suite.is_some() {
         return suite::all(input);
@@ -45,15 +45,15 @@ pub fn all(input: &ReportInput) -> Vec<Figure> {
     figures
 }
 
-/// An entry of a legend: how its line looks and what it says.
+/// An entry of a legend: the look of its line and its text.
 pub struct Entry {
-    /// The line.
+    /// The look of the line.
     pub stroke: Stroke,
-    /// The words.
+    /// The text.
     pub text: String,
 }
 
-/// Draws a legend in one row that starts at a place.
+/// Draws a legend in one row that starts at this position.
 pub fn legend(drawing: &mut Drawing, [mut x, y]: [f64; 2], entries: &[Entry]) {
     for entry in entries {
         drawing.line(&[[x, y - 4.0], [x + 22.0, y - 4.0]], entry.stroke);

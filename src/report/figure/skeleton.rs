@@ -1,4 +1,4 @@
-//! Stick figures: the places of base, joints and soles in the side view (x forward, z up).
+//! Stick figures: base, joints and soles in the side view (x forward, z up).
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
@@ -24,8 +24,8 @@ pub struct Skeleton {
     pub legs: [Vec<[f64; 2]>; 2],
 }
 
-/// Height of the crown above the base origin in m: twice the height of the base body's centre of mass,
-/// which holds the welded upper body.
+/// Height of the crown above the base origin in m: twice the height of the base body's centre of mass, which
+/// includes the welded upper body.
 pub fn crown(robot: &Robot) -> f64 {
     (2.0 * robot.base.com.z).clamp(0.3, 0.8)
 }

@@ -1,4 +1,4 @@
-//! Forward speed of every arm in every engine: episodes as dots, means with intervals, the command.
+//! Forward speed of every arm in every engine: episodes as dots, means with intervals, and the command.
 
 use super::Figure;
 use crate::kinds::task::Task;
@@ -23,7 +23,7 @@ struct Row {
     interval: Option<[f64; 2]>,
 }
 
-/// The figure, when the task has a speed and something was evaluated.
+/// The figure, if the task has a speed and there are evaluations.
 pub fn figure(input: &ReportInput) -> Option<Figure> {
     let rows = rows(input);
     if rows.is_empty() {
@@ -80,7 +80,7 @@ fn rows(input: &ReportInput) -> Vec<Row> {
     rows
 }
 
-/// The engine of an evaluation, or its name where the arm has several in that engine.
+/// The engine of an evaluation, or its name if the arm has several in that engine.
 fn place_of(arm: &Arm, measured: &Measured) -> String {
     let engine = &measured.evaluation.engine;
     let twins = arm.evaluations.iter().filter(|other| other.evaluation.engine == *engine).count();

@@ -1,4 +1,4 @@
-//! A time-lapse of stick figures from the side, beside the reference motion at the same phases.
+//! A time-lapse of stick figures from the side, with the reference motion at the same phases.
 
 use super::skeleton::{Posture, Skeleton, crown, skeleton};
 use super::{Entry, Figure, legend, window};
@@ -10,17 +10,17 @@ use crate::report::source::Source;
 use crate::report::wording::labels;
 use crate::robot::Robot;
 
-/// Start of the figures' names.
+/// Prefix of the figures' names.
 pub const ID: &str = "time_lapse";
 
 /// Number of stick figures.
 const POSES: usize = 12;
-/// Vertical force in N above which a foot is said to be on the ground.
+/// Vertical force in N above which a foot counts as in contact.
 const CONTACT: f64 = 10.0;
 /// Distance between two figures in pixels.
 const SPACING: f64 = 72.0;
 
-/// The figure of one arm's first evaluation that has a trace.
+/// The figure for an arm's first evaluation with a trace.
 pub fn figure(input: &ReportInput, arm: usize) -> Option<Figure> {
     let name = &labels(&input.arms)[arm];
     let arm = &input.arms[arm];
@@ -48,7 +48,7 @@ pub fn figure(input: &ReportInput, arm: usize) -> Option<Figure> {
     })
 }
 
-/// Whether a trace has the rows that a stick figure needs.
+/// Whether a trace has the rows that a stick figure requires.
 fn is_complete(trace: &Trace, robot: &Robot) -> bool {
     let rows = trace.time.len();
     rows > 1
@@ -59,7 +59,7 @@ fn is_complete(trace: &Trace, robot: &Robot) -> bool {
         && trace.position.iter().all(|position| position.len() == robot.joints())
 }
 
-/// Height of the crown of the standing robot in m.
+/// Crown height of the standing robot in m.
 fn tallest(robot: &Robot) -> f64 {
     robot.standing_height + crown(robot)
 }
@@ -122,7 +122,7 @@ impl Strip<'_> {
         self.remarks(drawing, centre, row, first);
     }
 
-    /// Draws a stick figure whose base stands at `x` metres around `centre` pixels.
+    /// Draws a stick figure such that the world position `x` in m is at `centre` in pixels.
     fn figure(&self, drawing: &mut Drawing, skeleton: &Skeleton, (centre, x): (f64, f64), reference: bool) {
         let place =
             |point: &[f64; 2]| [centre + self.scale * (point[0] - x), self.ground - self.scale * point[1]];

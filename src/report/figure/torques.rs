@@ -1,4 +1,4 @@
-//! Torques of hip pitch, knee and ankle pitch of both legs, all arms over each other.
+//! Torques of hip pitch, knee and ankle pitch of both legs, with all arms overlaid.
 
 use super::{Entry, Figure, legend, window};
 use crate::report::model::{Arm, Measured, ReportInput};
@@ -14,20 +14,20 @@ pub const ID: &str = "torques";
 /// The joints shown, in the order of [`Leg::pitches`].
 const JOINTS: [&str; 3] = ["hip pitch", "knee", "ankle pitch"];
 
-/// An arm with a trace of its joints' torques.
+/// An arm with a trace of joint torques.
 struct Traced<'a> {
-    /// Its place in the report.
+    /// Its index in the report.
     arm: usize,
     measured: &'a Measured,
     robot: &'a Robot,
-    /// The joints shown of the left and the right leg.
+    /// The joints shown in the left and the right leg.
     legs: [[usize; JOINTS.len()]; 2],
 }
 
 /// A curve of a panel: its ink, its points and the joint's effort limit in N m.
 type Curve = (Ink, Vec<(f64, f64)>, f64);
 
-/// The figure, when at least one arm has a trace.
+/// The figure, if at least one arm has a trace.
 pub fn figure(input: &ReportInput) -> Option<Figure> {
     let all: Vec<Traced> =
         input.arms.iter().enumerate().filter_map(|(place, arm)| traced(place, arm)).collect();
@@ -63,8 +63,8 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
     })
 }
 
-/// An arm with its first evaluation that has a trace of all joints' torques; `None` for legs without three
-/// pitch joints.
+/// An arm with its first evaluation that traces all joint torques; `None` if a leg does not have three pitch
+/// joints.
 fn traced(place: usize, arm: &Arm) -> Option<Traced<'_>> {
     let robot = arm.robot.as_ref()?;
     let joints = |side| Some(Leg::pitches(robot, side)?.map(|(joint, _)| joint));
@@ -89,7 +89,7 @@ impl Traced<'_> {
     }
 }
 
-/// The effort limits that a curve comes near: in the arms' own inks where they differ.
+/// The effort limits that a curve approaches, in the arms' own inks if they differ.
 fn limits(curves: &[Curve]) -> Vec<(Ink, f64)> {
     let near = |(_, points, limit): &&Curve| points.iter().any(|(_, torque)| torque.abs() > 0.5 * limit);
     let differ = curves.windows(2).any(|pair| pair[0].2 != pair[1].2);
@@ -124,7 +124,7 @@ mod tests {
     use crate::outcome::{Evaluation, Trace};
     use crate::robot::tests::robot;
 
-    /// An arm whose joints are commanded their numbers in N m.
+    /// An arm in which each joint is commanded its index in N m.
     fn arm(name: &str) -> Arm {
         let robot = robot(name);
         let torque: Vec<f64> = (0..robot.joints()).map(|joint| joint as f64).collect();

@@ -1,12 +1,12 @@
-//! Which part of a trace a figure shows: whole cycles from the middle of the episode, so that the
-//! policies of different arms start at the same phase.
+//! Selects the part of a trace to show: whole cycles from the middle of the episode, so that the policies of
+//! different arms start at the same phase.
 
 use std::ops::Range;
 
 use crate::outcome::Trace;
 
-/// The rows of `cycles` whole cycles that begin at the first start of a cycle in the second half of the
-/// trace; the last `seconds` when there are not as many, and everything when the trace is shorter.
+/// The rows of `cycles` whole cycles from the first start of a cycle in the second half of the trace; the
+/// last `seconds` if there are fewer cycles, and the whole trace if it is shorter.
 pub fn cycles(trace: &Trace, cycles: usize, seconds: f64) -> Range<usize> {
     let rows = trace.time.len();
     let starts: Vec<usize> = (1..rows.min(trace.phase.len()))

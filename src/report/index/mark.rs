@@ -1,24 +1,24 @@
-//! The last line of the index: the digests of the page itself and of the records that it was written from, by which an
-//! edited index is found, and one that is older than a record.
+//! The last line of the index: digests of the page itself and of the records it was written from. They reveal
+//! an edited index, and one that is older than a record.
 
 use std::collections::BTreeMap;
 
-/// How the line begins.
+/// The beginning of that line.
 const BEGIN: &str = "<!-- Written by `specforge report --index`";
 
-/// What an index says that lost its line.
+/// Sentences that identify an index without its last line.
 const SENTENCES: [&str; 3] = [
     "What was claimed and what became of it, suite by suite.",
     "what is changed here by hand is lost when it is written again",
     "The runs of a page are *today's* when",
 ];
 
-/// The page with its line; `records` are the digests of the records' contents by the path of the page without `.md`.
+/// The page with its last line; `records` are the digests of the records' contents by page path (no `.md`).
 pub fn marked(page: &str, records: &BTreeMap<String, String>) -> String {
     format!("{page}\n{}\n", line(page, records))
 }
 
-/// What is wrong with an index; `None` for one that is as it was written, and for a page of somebody else.
+/// What is wrong with an index; `None` if it is unchanged or the page is not an index by specforge.
 pub fn flaw(text: &str, records: &BTreeMap<String, String>) -> Option<&'static str> {
     let Some((page, _)) = text.split_once(&format!("\n{BEGIN}")) else {
         let is_ours = SENTENCES.iter().any(|sentence| text.contains(sentence));

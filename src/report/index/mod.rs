@@ -1,5 +1,5 @@
-//! The page of pages: every claim of every suite with the paper's number, ours, the verdict and where it
-//! stands, from the records beside the reports. Knows neither the store nor how a suite is read.
+//! The index of all reports: every claim of every suite with the paper's number, the measured number and the
+//! verdict, from the records next to the reports. Independent of the store and of how suites are parsed.
 
 pub mod mark;
 
@@ -13,65 +13,65 @@ use crate::escape::markdown::{self, cell, code};
 use crate::spec::claim::Claim;
 use crate::statistics::multiplicity::holm;
 
-/// The file's name in the folder of the reports.
+/// The file name in the folder of reports.
 pub const FILE: &str = "README.md";
 
-/// A suite as the index knows it.
+/// A suite in the index.
 #[derive(Clone, Debug, Default)]
 pub struct Listed {
     /// Its name.
     pub name: String,
-    /// The path of its page in the folder of the reports, without `.md`.
+    /// The path of its page in the folder of reports, without `.md`.
     pub page: String,
-    /// What it is about.
+    /// A summary of its question.
     pub summary: String,
-    /// Its file, for the command that runs it.
+    /// Its file, as the command that runs it names it.
     pub file: String,
-    /// The profiles that it can be run with.
+    /// The available profiles.
     pub profiles: Vec<String>,
     /// Its claims, in order.
     pub claims: Vec<Claim>,
 }
 
-/// How the stages that a report was rendered from stand to those that its command would make today.
+/// Compares the stages that a report was rendered from with those that its command would run today.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Standing {
-    /// They are the same.
+    /// All stages are the same.
     Current,
-    /// Some are not: the values they read, or how the program makes them, changed since.
+    /// Some stages differ: the values that they read, or the program, changed since.
     Earlier {
-        /// The kinds of today's stages that the report lacks, in the order of the plan.
+        /// The kinds of today's stages that are missing from the report, in plan order.
         kinds: Vec<String>,
-        /// Number of today's stages that the report lacks.
+        /// Number of today's stages that are missing from the report.
         lacking: usize,
         /// Number of today's stages.
         stages: usize,
-        /// Number of the report's stages that are none of today's.
+        /// Number of the report's stages that no longer exist today.
         gone: usize,
     },
-    /// The specs are not where the command looks for them.
+    /// The specs are missing from the paths in the command.
     WithoutSpecs,
 }
 
-/// Everything that the page is written from.
+/// The content of the index.
 #[derive(Clone, Debug, Default)]
 pub struct Index {
     /// The suites, sorted by name.
     pub suites: Vec<Listed>,
-    /// The records of the reports, by the path of the page in the folder of the reports, without `.md`.
+    /// The records of the reports, by page path in the folder of reports, without `.md`.
     pub reports: BTreeMap<String, Sidecar>,
-    /// How the reports stand to today's specs and program, by the same path; without an entry nothing is
-    /// said.
+    /// Whether the reports match today's specs and program, by the same path. Without an entry the index does
+    /// not say.
     pub standings: BTreeMap<String, Standing>,
 }
 
-/// What became of a listed claim.
+/// The state of a listed claim.
 enum State<'a> {
     /// It was judged.
     Judged(&'a Judged),
-    /// The report was rendered for another text, metric or expectation of it.
+    /// The report was rendered for another text, metric or expectation of the claim.
     Changed,
-    /// There is no report.
+    /// The report is missing.
     NotRun,
 }
 
@@ -88,20 +88,20 @@ NOT MEANINGFUL: a speed, reward, force or torque of robots that fail their task.
 the number of claims
 of its page";
 
-/// What the head says where claims name the paper.
+/// Part of the introduction, if any claims are the paper's.
 const OF_PAPER: &str = "; the column beside it for that of all claims of the paper, by Holm's method";
 
-/// What it says where pages were judged by earlier rules.
+/// Part of the introduction, if any pages were judged by earlier rules.
 const EARLIER: &str = " Pages that were judged by earlier rules have no
 per-seed values, so their verdicts cannot be computed again: they are neither counted nor among the claims \
 that are corrected together.";
 
-/// What numbers are, where claims name the paper.
+/// Explains the numbers, if any claims are the paper's.
 const NUMBERS: &str = " Claims of the paper are those about its own setting; studies at smaller budgets are \
     claims of our own. Numbers are those of this project's own runs at the scale that is named, not of the \
     paper's robot.";
 
-/// The profile of a spec that `specforge new` writes which is for a desktop computer.
+/// The profile for desktop computers in specs that `specforge new` writes.
 const DESK: &str = "desk";
 
 const PAGES: &str = "
@@ -126,7 +126,7 @@ such records was made; whether they were changed before that, nobody can say. A 
 ";
 
 impl Standing {
-    /// For a cell of the table of pages.
+    /// The text in a cell of the table of pages.
     fn in_words(&self) -> String {
         match self {
             Self::Current => "today's".to_owned(),
@@ -173,12 +173,12 @@ impl Index {
         }
     }
 
-    /// Whether the suites repeat a paper's claims.
+    /// Whether any claims of the suites are the paper's.
     fn names_paper(&self) -> bool {
         self.chosen(true).next().is_some()
     }
 
-    /// The suites' claims that name the paper, or those that do not.
+    /// The claims that are the paper's, or those that are not.
     fn chosen(&self, of_paper: bool) -> impl Iterator<Item = (&Listed, &Claim)> {
         let all = self.suites.iter().flat_map(|suite| suite.claims.iter().map(move |claim| (suite, claim)));
         all.filter(move |(_, claim)| claim.paper.is_some() == of_paper)
@@ -276,8 +276,8 @@ impl Index {
         text
     }
 
-    /// The verdict of each claim after Holm's correction over all of them. One without a p value counts as
-    /// one that shows nothing.
+    /// The verdict of each claim after Holm's correction over all of them. A claim without a p value counts
+    /// as p = 1.
     fn over_all(&self, of_paper: bool) -> Vec<String> {
         let judged = |(suite, claim): (&Listed, &Claim)| match self.state(suite, claim) {
             State::Judged(judged) if !self.is_by_earlier_rules(suite) => Some(judged.clone()),
@@ -310,8 +310,7 @@ impl Index {
         self.reports.get(&suite.page).is_some_and(Sidecar::is_by_earlier_rules)
     }
 
-    /// What must be known with a verdict: that no policy of the suite does its task, that earlier rules made
-    /// it.
+    /// A caveat on a verdict: no policy of the suite does its task, or earlier rules judged it.
     fn reservation(&self, suite: &Listed) -> String {
         let tasks = self.reports.get(&suite.page).map_or(&[][..], |report| &report.tasks);
         let none = !tasks.is_empty() && tasks.iter().all(TaskRecord::fails);
@@ -346,7 +345,7 @@ impl Index {
         }
     }
 
-    /// Every report with the command that makes it again.
+    /// Every report with the command that reproduces it.
     fn pages(&self) -> String {
         if self.reports.is_empty() {
             return String::new();
@@ -363,7 +362,7 @@ impl Index {
         text
     }
 
-    /// The reports whose records have no digest of themselves.
+    /// The reports whose records lack their own digest.
     fn unverifiable(&self) -> String {
         let unsealed = self.reports.iter().filter(|(_, report)| report.seal.is_empty());
         let links: Vec<String> = unsealed.map(|(name, _)| link_to(name)).collect();
@@ -392,8 +391,8 @@ impl Index {
         text
     }
 
-    /// The profile that a suite is to be run with: of its own the one that most reports here were made with,
-    /// else the one for a desktop computer.
+    /// The profile to run a suite with: that of its profiles with most reports here, else the one for desktop
+    /// computers.
     fn profile<'a>(&self, suite: &'a Listed) -> Option<&'a str> {
         let runs =
             |name: &str| self.reports.values().filter(|report| profile_of(report) == Some(name)).count();
@@ -408,24 +407,24 @@ impl Index {
     }
 }
 
-/// The profile that a report's command names.
+/// The profile in a report's command.
 fn profile_of(report: &Sidecar) -> Option<&str> {
     report.command.split_once(" --profile ").and_then(|(_, rest)| rest.split_whitespace().next())
 }
 
-/// What a report is about; records of earlier versions only name its arms.
+/// The subject of a report; records of earlier versions only name its arms.
 fn about(report: &Sidecar) -> String {
     let arms = || report.arms.iter().map(|arm| arm.name.as_str()).collect::<Vec<_>>().join(", ");
     if report.summary.is_empty() { arms() } else { report.summary.clone() }
 }
 
-/// A row of a table, which begins with a link.
+/// A row of a table, starting with a link.
 fn row(link: &str, cells: &[String]) -> String {
     let cells: Vec<String> = cells.iter().map(|text| cell(text)).collect();
     format!("| {link} | {} |\n", cells.join(" | "))
 }
 
-/// The link to a report beside or below the page.
+/// The link to a report in the folder of the index or below it.
 fn link_to(page: &str) -> String {
     let name = page.rsplit('/').next().unwrap_or(page);
     format!("[{}]({}.md)", markdown::label(&cell(name)), markdown::target(page))
@@ -545,7 +544,7 @@ mod tests {
             report.rules = rules;
             index.page()
         };
-        // Three claims of the paper, of which two were not run: 3 p.
+        // Three claims of the paper, two of them not run: 3 p.
         assert!(page(0.016, RULES).contains("| **PASS** | PASS (p = 0.048) |"));
         assert!(page(0.017, RULES).contains("| **PASS** | NOT ESTABLISHED (p = 0.051) |"));
         let earlier = page(0.016, 1);
@@ -555,7 +554,7 @@ mod tests {
             earlier.contains("2 more, on pages that were judged by earlier rules, are not counted."),
             "{earlier}"
         );
-        // The claims of a page by earlier rules are not among those that are corrected together.
+        // Claims judged by earlier rules are excluded from the correction.
         let mut index = index();
         let mut other = index.suites[0].clone();
         (other.name, other.page) = ("old".into(), "old".into());

@@ -1,4 +1,4 @@
-//! The index of a folder: whether it is as it was written, and from the records that are there.
+//! Checks the index of a folder: it must be unchanged and agree with the current records.
 
 use std::path::Path;
 
@@ -7,7 +7,8 @@ use crate::bounded;
 use crate::report::index::FILE;
 
 impl Place<'_> {
-    /// Compares the index of this folder with its own digest and with the records in the folder and below it.
+    /// Compares the index of this folder with its own digest and with all records in the folder and its
+    /// subfolders.
     pub(super) fn index(&self, found: &mut Found) {
         let path = self.below.join(FILE);
         let Ok(text) = bounded::text(&path, bounded::RECORD) else { return };

@@ -1,6 +1,6 @@
-//! Whether a folder of reports is as it was published: every record with its own digest, its page, its figures, its
-//! name and place and the verdicts that its values give; the index; and nothing of ours that no record lists. What
-//! lacks a digest is told apart from what agrees with one.
+//! Verifies a folder of published reports: each record against its own digest, page, figures, name, place and
+//! verdicts; the index; and specforge files that no record lists. Files without a digest are reported
+//! separately from files that match theirs.
 
 mod index;
 mod record;
@@ -16,53 +16,53 @@ use crate::bounded;
 use crate::exec::records;
 use crate::seal::unsealed::Unsealed;
 
-/// A file that is not as it was published.
+/// A file that was changed after publication.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// The path of the report's page in the folder of the reports, without `.md`.
+    /// The path of the report's page in the folder of reports, without `.md`.
     pub report: String,
     /// The path of the file in that folder.
     pub file: String,
     /// What is wrong with it.
     pub reason: String,
-    /// What can be done.
+    /// How to fix it.
     pub fix: String,
 }
 
-/// A report of which nobody can say whether it is as it was published.
+/// A report that cannot be verified.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unverifiable {
-    /// The path of its page in the folder of the reports, without `.md`.
+    /// The path of its page in the folder of reports, without `.md`.
     pub report: String,
-    /// What it lacks.
+    /// What is missing.
     pub reason: &'static str,
 }
 
-/// What was found in a folder of reports.
+/// The result for a folder of reports.
 #[derive(Clone, Debug, Default)]
 pub struct Found {
-    /// The records that can be read, by the path of the page without `.md`.
+    /// The readable records, by page path without `.md`.
     pub records: BTreeMap<String, Sidecar>,
     /// The digests of their contents, by the same path.
     pub contents: BTreeMap<String, String>,
-    /// Number of records of runs that are as they were written.
+    /// Number of unchanged records of runs.
     pub runs: usize,
-    /// Files that are not as they were published.
+    /// Files that were changed after publication.
     pub faults: Vec<Fault>,
-    /// What the next `specforge report --index` writes: the notice of earlier rules where a page lacks it, and the
-    /// index where it is not what the records give.
+    /// Changes that the next `specforge report --index` makes: missing notices of earlier rules, and an index
+    /// that does not match the records.
     pub unwritten: Vec<Fault>,
-    /// Reports without a fault that have no digests to agree with.
+    /// Reports without a fault that lack digests to verify.
     pub unverifiable: Vec<Unverifiable>,
 }
 
 impl Found {
-    /// The reports with a fault, and what `--index` has to write again.
+    /// The reports with a fault, or that `--index` would change.
     pub fn differing(&self) -> BTreeSet<&str> {
         self.faults.iter().chain(&self.unwritten).map(|fault| fault.report.as_str()).collect()
     }
 
-    /// The reports that agree with all their digests.
+    /// The reports that match all their digests.
     pub fn whole(&self) -> Vec<&str> {
         let differing = self.differing();
         let unverifiable: BTreeSet<&str> =
@@ -72,15 +72,15 @@ impl Found {
     }
 }
 
-/// Reads every record in a folder and below it and compares it with its files. A folder that does not exist has none.
+/// Verifies every record in a folder and its subfolders against its files. A missing folder has no records.
 pub fn verify(folder: &Path) -> Found {
     verify_by(folder, Unsealed::known())
 }
 
-/// The same by a list of the records that may lack a digest of themselves.
+/// Does the same with a list of the records that may lack their own digest.
 pub fn verify_by(folder: &Path, unsealed: &Unsealed) -> Found {
     let mut found = Found::default();
-    // The files that a record lists, from the folder of the reports.
+    // The files listed by records, as paths from the folder of reports.
     let mut listed = BTreeSet::new();
     let folders = listing::folders(folder);
     for below in &folders {
@@ -111,14 +111,14 @@ pub fn verify_by(folder: &Path, unsealed: &Unsealed) -> Found {
 struct Place<'a> {
     /// The folder of all reports.
     folder: &'a Path,
-    /// It, or one below it.
+    /// The folder itself or one of its subfolders.
     below: &'a Path,
     /// The records that may lack a digest.
     unsealed: &'a Unsealed,
 }
 
 impl Place<'_> {
-    /// A path of this place as seen from the folder of all reports.
+    /// Converts a path to one relative to the folder of all reports.
     fn seen(&self, path: &Path) -> String {
         path.strip_prefix(self.folder).unwrap_or(path).display().to_string()
     }
@@ -127,7 +127,8 @@ impl Place<'_> {
         Fault { report: self.seen(page), file: self.seen(file), reason: reason.into(), fix }
     }
 
-    /// A JSON file that is not the record of a report: that of a run, or something else in a folder without pages.
+    /// Handles a JSON file that is not a report's record: that of a run, or something else in a folder
+    /// without pages.
     fn other(&self, path: &Path, error: &RecordError, has_pages: bool, found: &mut Found) {
         match records::verify(path, self.unsealed) {
             Some(Ok(())) => found.runs += 1,
@@ -141,7 +142,7 @@ impl Place<'_> {
         }
     }
 
-    /// The record of a run that was cut is no JSON any more.
+    /// The fault of a truncated record of a run, which is no longer valid JSON.
     fn no_json(&self, path: &Path) -> Option<Fault> {
         let text = bounded::text(path, bounded::RECORD).ok()?;
         let error = serde_json::from_str::<serde::de::IgnoredAny>(&text).err()?;
@@ -159,12 +160,12 @@ impl Place<'_> {
     }
 }
 
-/// The name of a report from the path of a file of that name.
+/// The name of a report, from the path of one of its files.
 fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// A name may have dots, so an ending is appended and never exchanged.
+/// Appends the extension instead of replacing one, as a name may contain dots.
 fn markdown(page: &Path) -> PathBuf {
     let mut path = page.as_os_str().to_owned();
     path.push(".md");
@@ -177,7 +178,7 @@ fn record_of(page: &Path) -> PathBuf {
     path.into()
 }
 
-/// What to do about a record that is not what it was. A page beside such a record is not written over, so both must go.
+/// The fix for a changed record. Its page blocks a new one, so both must be deleted.
 fn without_record(again: &str) -> String {
     format!(
         "restore the record from version control, or delete it and its page and render both again: `{again}`"

@@ -1,4 +1,4 @@
-//! A record against itself, its page and its figures.
+//! Checks a record against itself, its page and its figures.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use crate::report::sidecar::{RULES, Sidecar};
 use crate::seal::{REMOVED, Seal};
 
 impl Place<'_> {
-    /// Compares a record with its name, its place, its digest, its values, its page and its figures.
+    /// Checks the name, place, digest and values of a record, and its page and figures.
     pub(super) fn record(
         &self,
         record: Sidecar,
@@ -66,7 +66,7 @@ impl Place<'_> {
         found.records.insert(self.seen(&page), record);
     }
 
-    /// Files that no digest speaks of must be there all the same.
+    /// Files without a digest must exist nevertheless.
     fn missing(&self, record: &Sidecar, digests: &Digests, page: &Path, fix: &str) -> Vec<Fault> {
         let figures = record.items.iter().map(|item| item.file.clone()).filter(|file| !file.is_empty());
         let own = page.file_name().unwrap_or_default().to_string_lossy();
@@ -77,8 +77,8 @@ impl Place<'_> {
         absent.map(|file| self.fault(page, &file, reason, fix.to_owned())).collect()
     }
 
-    /// A report whose spec lies below `specs/` lies in the folder of that name, or where `--reports` named it: directly
-    /// in the folder of the reports.
+    /// A report belongs in the folder that corresponds to its spec below `specs/`, or, with `--reports`,
+    /// directly in the folder of reports.
     fn misplaced(&self, record: &Sidecar, page: &Path, path: &Path) -> Option<Fault> {
         let home =
             record.specs.first().map(|spec| page_folder(spec)).filter(|home| !home.as_os_str().is_empty())?;
@@ -94,7 +94,7 @@ impl Place<'_> {
         })
     }
 
-    /// The notice of earlier rules stands on the pages that were judged by them and on no other.
+    /// Pages judged by earlier rules must have the notice, and no other page may have it.
     fn notice(&self, record: &Sidecar, page: &Path, fix: &str, found: &mut Found) {
         let file = markdown(page);
         let Ok(text) = bounded::text(&file, bounded::RECORD) else { return };
@@ -113,7 +113,7 @@ impl Place<'_> {
     }
 }
 
-/// What is wrong with the claims of a record that is as it was written.
+/// What is wrong with the claims of an unchanged record.
 fn claims(record: &Sidecar) -> Vec<String> {
     match record.rules > RULES {
         true => {

@@ -1,4 +1,5 @@
-//! What no record stands for: pages and figures without one, figures that none lists, and copies of reports.
+//! Finds files that no record accounts for: pages and figures without a record, unlisted figures, and copies
+//! of reports.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -10,20 +11,20 @@ use crate::report::index::FILE;
 use crate::report::paths::page_folder;
 use crate::report::{earlier, listing};
 
-/// A sentence that the shipped templates write at the end of a page.
+/// A sentence at the end of pages by the shipped templates.
 const RENDERED: &str = "Rendered by specforge ";
 
-/// What they write above the table of stages.
+/// A line above their table of stages.
 const STAGES: &str = "<summary>Stages and their fingerprints</summary>";
 
-/// How the metadata of a figure begins.
+/// The beginning of a figure's metadata.
 const FIGURE: &str = "<metadata>{\"report\":";
 
-/// The endings of pictures.
+/// File extensions of pictures.
 const PICTURES: [&str; 7] = ["svg", "png", "jpg", "jpeg", "gif", "webp", "pdf"];
 
 impl Place<'_> {
-    /// Pages of ours without a record. Other Markdown is nobody's business.
+    /// Finds specforge pages without a record. Other Markdown files are ignored.
     pub(super) fn pages_without_record(&self, found: &mut Found) {
         for path in listing::files(self.below, "md") {
             let page = path.with_extension("");
@@ -40,7 +41,7 @@ impl Place<'_> {
         }
     }
 
-    /// Figures of ours without page and record.
+    /// Finds specforge figures without page and record.
     pub(super) fn figures_without_report(&self, found: &mut Found) {
         if self.below == self.folder || self.has_report() {
             return;
@@ -52,16 +53,16 @@ impl Place<'_> {
         }
     }
 
-    /// Whether this is the folder of a report's figures.
+    /// Whether this folder holds a report's figures.
     fn has_report(&self) -> bool {
         let has = |file: PathBuf| file.symlink_metadata().is_ok();
         has(markdown(self.below)) || has(record_of(self.below))
     }
 
-    /// Pictures that no record lists: in the folder of a report's figures and beside pages all, elsewhere those that say
-    /// that they are figures of a report.
+    /// Finds pictures that no record lists: any picture in a report's folder of figures or next to pages,
+    /// elsewhere only those whose metadata name a report.
     pub(super) fn unlisted_figures(&self, listed: &BTreeSet<PathBuf>, found: &mut Found) {
-        // What a record lists that is missing or cannot be read nobody knows; that is told already.
+        // An unreadable or missing record, which is already reported, hides which figures it lists.
         let is_known = self.below == self.folder || found.records.contains_key(&self.seen(self.below));
         if self.has_report() && !is_known {
             return;
@@ -90,7 +91,7 @@ impl Place<'_> {
         found.faults.extend(strays);
     }
 
-    /// The figures in a page's folder that say that they are its own.
+    /// The figures in a page's folder whose metadata name this page.
     fn figures_of<'p>(&self, page: &'p Path) -> impl Iterator<Item = PathBuf> + use<'p> {
         let name = serde_json::Value::from(stem(&markdown(page))).to_string();
         let mark = format!("{FIGURE}{}", xml::text(&name));
@@ -100,7 +101,7 @@ impl Place<'_> {
     }
 }
 
-/// Reports that lie there twice. The one in the folder of its spec is the report, all others are copies.
+/// Finds duplicate reports. The one in the folder of its spec is the original.
 pub(super) fn copies(found: &mut Found) {
     let mut places: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for (name, content) in &found.contents {

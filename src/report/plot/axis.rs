@@ -1,4 +1,4 @@
-//! Axes: a range, its ticks and how they are written.
+//! Axes: range, ticks and tick labels.
 
 /// An axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -7,13 +7,13 @@ pub struct Axis {
     pub label: String,
     /// First and last value.
     pub range: [f64; 2],
-    /// Where the ticks stand and what they say.
+    /// Positions and labels of the ticks.
     pub ticks: Vec<(f64, String)>,
 }
 
 impl Axis {
-    /// An axis over the finite ones of these values, with about `count` ticks. A range of a single value
-    /// is widened; no values at all give the range 0 to 1.
+    /// An axis that covers the finite ones of these values, with about `count` ticks. A range of a single
+    /// value is widened; without values the range is 0 to 1.
     pub fn fit(label: impl Into<String>, values: impl IntoIterator<Item = f64>, count: usize) -> Self {
         let [mut low, mut high] = bounds(values).unwrap_or([0.0, 1.0]);
         if high - low <= 1e-9 * high.abs().max(low.abs()).max(1e-9) {
@@ -23,7 +23,7 @@ impl Axis {
         Self::over(label, [low, high], count)
     }
 
-    /// [`Axis::fit`] with zero in the range, ends moved out to ticks.
+    /// [`Axis::fit`] with zero included and the ends rounded outwards to ticks.
     pub fn from_zero(label: impl Into<String>, values: impl IntoIterator<Item = f64>, count: usize) -> Self {
         let fitted = Self::fit(label, values.into_iter().chain([0.0]), count);
         let step = nice_step(fitted.range, count);
@@ -31,7 +31,7 @@ impl Axis {
         Self::over(fitted.label, range, count)
     }
 
-    /// An axis with exactly this range and ticks at round values inside.
+    /// An axis with exactly this range, and ticks at round values within it.
     pub fn over(label: impl Into<String>, range: [f64; 2], count: usize) -> Self {
         let step = nice_step(range, count);
         let decimals = (-libm::floor(libm::log10(step) + 1e-9)).max(0.0) as usize;
@@ -44,13 +44,13 @@ impl Axis {
         Self { label: label.into(), range, ticks }
     }
 
-    /// The same axis with ticks that say nothing and no label, for all but the lowest of stacked panels.
+    /// The same axis without labels, for all but the lowest of stacked panels.
     pub fn without_words(&self) -> Self {
         let ticks = self.ticks.iter().map(|(value, _)| (*value, String::new())).collect();
         Self { label: String::new(), range: self.range, ticks }
     }
 
-    /// Where a value lies: 0 at the range's start, 1 at its end.
+    /// Relative position of a value: 0 at the start of the range, 1 at its end.
     pub fn share(&self, value: f64) -> f64 {
         (value - self.range[0]) / (self.range[1] - self.range[0])
     }
@@ -64,7 +64,7 @@ pub fn bounds(values: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
     })
 }
 
-/// 1, 2 or 5 times a power of ten, so that the range holds about `count` steps.
+/// 1, 2 or 5 times a power of ten, such that the range has about `count` steps.
 fn nice_step(range: [f64; 2], count: usize) -> f64 {
     let rough = (range[1] - range[0]).max(1e-12) / count.max(1) as f64;
     let power = libm::pow(10.0, libm::floor(libm::log10(rough)));
@@ -72,7 +72,7 @@ fn nice_step(range: [f64; 2], count: usize) -> f64 {
     factor * power
 }
 
-/// Beyond this a number is written with an exponent.
+/// From here on a number is written with an exponent.
 const LARGE: f64 = 1e15;
 
 /// A number with this many decimals, a true minus sign and no negative zero; a large one as `1.00e300`.

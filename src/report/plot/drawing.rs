@@ -1,8 +1,8 @@
-//! A drawing: lines, areas, texts and dots in pixels, x to the right and y down.
+//! A drawing of lines, areas, texts and dots in pixels, x to the right and y down.
 
 use super::palette::Ink;
 
-/// A place in pixels.
+/// A position in pixels.
 pub type Point = [f64; 2];
 
 /// How a line is drawn.
@@ -12,30 +12,30 @@ pub struct Stroke {
     pub ink: Ink,
     /// Its width in pixels.
     pub width: f64,
-    /// Lengths of dash and gap in pixels, for a broken line.
+    /// Lengths of dash and gap in pixels, for a dashed line.
     pub dash: Option<[f64; 2]>,
-    /// 1 is opaque.
+    /// Opacity from 0 to 1.
     pub opacity: f64,
 }
 
 impl Stroke {
-    /// An opaque, unbroken line.
+    /// An opaque solid line.
     pub fn solid(ink: Ink, width: f64) -> Self {
         Self { ink, width, dash: None, opacity: 1.0 }
     }
 
-    /// A broken line.
+    /// A dashed line.
     pub fn dashed(ink: Ink, width: f64) -> Self {
         Self { dash: Some([4.0, 3.0]), ..Self::solid(ink, width) }
     }
 
-    /// The same, let through.
+    /// The same line with this opacity.
     pub fn faint(self, opacity: f64) -> Self {
         Self { opacity, ..self }
     }
 }
 
-/// Which point of a text is placed.
+/// The anchor point of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
     /// Its left end.
@@ -49,23 +49,23 @@ pub enum Anchor {
 /// A text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Words {
-    /// The place of the anchor, on the base line.
+    /// The position of the anchor on the base line.
     pub at: Point,
-    /// What it says.
+    /// The text.
     pub text: String,
     /// Its colour.
     pub ink: Ink,
     /// Its size in pixels.
     pub size: f64,
-    /// What is placed.
+    /// The anchor.
     pub anchor: Anchor,
-    /// Whether it reads upwards.
+    /// Whether it is rotated to read upwards.
     pub upwards: bool,
     /// Whether it is bold.
     pub bold: bool,
 }
 
-/// A thing in a drawing.
+/// An element of a drawing.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Item {
     /// A line through points.
@@ -85,7 +85,7 @@ pub struct Drawing {
     pub width: f64,
     /// Height in pixels.
     pub height: f64,
-    /// What it shows, for screen readers and tool tips.
+    /// Description for screen readers and tool tips.
     pub title: String,
     /// Text of the `metadata` element.
     pub metadata: String,
@@ -99,7 +99,7 @@ impl Drawing {
         Self { width, height, title: title.into(), metadata: String::new(), items: Vec::new() }
     }
 
-    /// Adds a line through points; places that are not finite break it.
+    /// Adds a line through points, interrupted at points that are not finite.
     pub fn line(&mut self, points: &[Point], stroke: Stroke) {
         for piece in points.split(|point| !point[0].is_finite() || !point[1].is_finite()) {
             if piece.len() > 1 {
@@ -123,7 +123,7 @@ impl Drawing {
         self.items.push(Item::Dot(centre, radius, ink, opacity));
     }
 
-    /// Adds a circle that is not filled.
+    /// Adds an unfilled circle.
     pub fn ring(&mut self, centre: Point, radius: f64, stroke: Stroke) {
         const CORNERS: usize = 24;
         let corner = |at: usize| {
@@ -134,7 +134,7 @@ impl Drawing {
         self.line(&points, stroke);
     }
 
-    /// Adds a text of 12 pixels; the result can still be changed.
+    /// Adds a text of 12 pixels; the returned reference allows changes.
     pub fn text(&mut self, at: Point, text: impl Into<String>, ink: Ink, anchor: Anchor) -> &mut Words {
         let words = Words { at, text: text.into(), ink, size: 12.0, anchor, upwards: false, bold: false };
         self.items.push(Item::Words(words));
@@ -145,7 +145,7 @@ impl Drawing {
     }
 }
 
-/// Estimated width of a text in pixels in the usual sans-serif fonts.
+/// Estimated width of a text in pixels in common sans-serif fonts.
 pub fn text_width(text: &str, size: f64) -> f64 {
     0.56 * size * text.chars().count() as f64
 }

@@ -1,7 +1,7 @@
-//! A small layer over SVG: drawings made of lines, areas and texts, with axes where they are charts.
+//! A small layer over SVG: drawings of lines, areas and texts, with axes for charts.
 //!
-//! Colours are named by meaning and given in the drawing's own style sheet, once for light and once for
-//! dark pages, on a transparent ground. Knows nothing of arms, policies or robots.
+//! Colours are named by meaning and defined in the drawing's own style sheet, for light and for dark pages,
+//! on a transparent background. Independent of arms, policies and robots.
 
 pub mod axis;
 pub mod drawing;

@@ -1,8 +1,8 @@
-//! Thins out the points of a line that the eye cannot tell apart.
+//! Removes points of a line that make no visible difference.
 
 use super::drawing::Point;
 
-/// The line without the points that lie within `tolerance` pixels of it (Ramer 1972, Douglas and Peucker
+/// Drops points that lie within `tolerance` pixels of the remaining line (Ramer 1972, Douglas and Peucker
 /// 1973). The first and the last point stay.
 pub fn simplified(points: &[Point], tolerance: f64) -> Vec<Point> {
     let mut keep = vec![false; points.len()];
@@ -23,7 +23,7 @@ pub fn simplified(points: &[Point], tolerance: f64) -> Vec<Point> {
     points.iter().zip(&keep).filter(|(_, kept)| **kept).map(|(point, _)| *point).collect()
 }
 
-/// The point between two others that is farthest from the chord, and its distance.
+/// The point between two others that is farthest from their chord, and its distance.
 fn farthest(points: &[Point], start: usize, end: usize) -> Option<(usize, f64)> {
     let (a, b) = (points[start], points[end]);
     let distances = (start + 1..end).map(|index| (index, distance_to_segment(points[index], a, b)));

@@ -1,7 +1,6 @@
-//! Colours by meaning: a colour-blind-safe set (Okabe and Ito 2008) in a version for light pages and one
-//! for dark pages.
+//! Colours by meaning: a colour-blind-safe set (Okabe and Ito 2008) in versions for light and dark pages.
 
-/// What a colour stands for.
+/// The meaning of a colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ink {
     /// Titles and values.
@@ -12,7 +11,7 @@ pub enum Ink {
     Grid,
     /// Background areas such as a scheduled contact.
     Shade,
-    /// An arm, by its place in the report; places past the last colour start again.
+    /// An arm, by its index in the report; the colours repeat after the last one.
     Arm(usize),
     /// The left leg.
     Left,
@@ -83,7 +82,7 @@ pub fn style_sheet() -> String {
 mod tests {
     use super::*;
 
-    /// Relative luminance of WCAG 2.1.
+    /// Relative luminance as defined in WCAG 2.1.
     fn luminance(colour: &str) -> f64 {
         let channel = |at: usize| {
             let value =

@@ -1,4 +1,4 @@
-//! A panel: an area of a drawing with two axes, in which values are drawn.
+//! A panel: an area of a drawing with two axes.
 
 use super::axis::Axis;
 use super::drawing::{Anchor, Drawing, Point, Stroke, text_width};
@@ -41,7 +41,7 @@ impl Area {
 /// An area with axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
-    /// Where the values are drawn; ticks and labels stand outside.
+    /// The plot area; ticks and labels are outside.
     pub area: Area,
     /// The horizontal axis.
     pub x: Axis,
@@ -50,14 +50,14 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// The place of a value, held to the area's edges vertically.
+    /// The position of a value, clamped to the area vertically.
     pub fn place(&self, x: f64, y: f64) -> Point {
         let height = self.y.share(y).clamp(-0.02, 1.02);
         let across = self.area.left + self.area.width * self.x.share(x);
         [across, self.area.bottom() - self.area.height * if y.is_finite() { height } else { f64::NAN }]
     }
 
-    /// Draws grid, ticks and labels. `title` stands above the area.
+    /// Draws grid, ticks and labels, with `title` above the area.
     pub fn frame(&self, drawing: &mut Drawing, title: &str) {
         let Area { left, top, .. } = self.area;
         let (right, bottom) = (self.area.right(), self.area.bottom());
@@ -78,7 +78,7 @@ impl Panel {
         }
     }
 
-    /// Ticks and label of the horizontal axis.
+    /// Draws ticks and label of the horizontal axis.
     fn frame_below(&self, drawing: &mut Drawing) {
         let bottom = self.area.bottom();
         for (value, text) in &self.x.ticks {
@@ -92,7 +92,7 @@ impl Panel {
         }
     }
 
-    /// Draws the ticks and the label of a second horizontal axis below the first, which has the same ends.
+    /// Draws ticks and label of a second horizontal axis below the first, with the same ends.
     pub fn second_scale(&self, drawing: &mut Drawing, axis: &Axis) {
         let bottom = self.area.bottom() + 38.0;
         drawing
@@ -111,12 +111,12 @@ impl Panel {
         drawing.line(&points, stroke);
     }
 
-    /// Draws a horizontal line over the whole width.
+    /// Draws a horizontal line across the panel.
     pub fn level(&self, drawing: &mut Drawing, y: f64, stroke: Stroke) {
         drawing.line(&[self.place(self.x.range[0], y), self.place(self.x.range[1], y)], stroke);
     }
 
-    /// Fills between two curves over the same places.
+    /// Fills the area between two curves with common x values.
     pub fn band(&self, drawing: &mut Drawing, values: &[(f64, f64, f64)], ink: Ink, opacity: f64) {
         let upper = values.iter().map(|(x, _, high)| self.place(*x, *high));
         let lower = values.iter().rev().map(|(x, low, _)| self.place(*x, *low));
@@ -124,8 +124,7 @@ impl Panel {
         drawing.area(&points, ink, opacity);
     }
 
-    /// Writes a label to the right of the area at each of these heights, moved apart where they would
-    /// touch.
+    /// Writes labels to the right of the area at these heights, moved apart if they would overlap.
     pub fn end_labels(&self, drawing: &mut Drawing, labels: &[(f64, String, Ink)]) {
         let wanted: Vec<f64> = labels.iter().map(|(y, ..)| self.place(0.0, *y)[1]).collect();
         let places = spread(&wanted, 13.0, [self.area.top, self.area.bottom()]);
@@ -135,12 +134,12 @@ impl Panel {
     }
 }
 
-/// The room in pixels that [`Panel::end_labels`] takes to the right of the area for these names.
+/// The width in pixels that [`Panel::end_labels`] needs to the right of the area for these names.
 pub fn label_room(names: &[String]) -> f64 {
     12.0 + names.iter().map(|name| text_width(name, 12.0)).fold(0.0, f64::max)
 }
 
-/// Moves places apart to at least `gap`, keeping their order, inside the limits where they fit.
+/// Moves positions at least `gap` apart, keeping their order, and within the limits if they fit.
 fn spread(wanted: &[f64], gap: f64, limits: [f64; 2]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..wanted.len()).collect();
     order.sort_by(|a, b| wanted[*a].total_cmp(&wanted[*b]));

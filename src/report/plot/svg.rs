@@ -1,4 +1,4 @@
-//! Writes a drawing as an SVG document: fixed number formatting, no dates, the same bytes every time.
+//! Writes a drawing as an SVG document: fixed number format and no dates, so that the output is reproducible.
 
 use std::fmt::Write as _;
 
@@ -107,7 +107,7 @@ fn path(points: &[Point]) -> String {
     out
 }
 
-/// A number with at most one decimal, without a trailing zero and without a negative zero.
+/// A number with at most one decimal, without trailing or negative zero.
 fn coordinate(value: f64) -> String {
     let text = format!("{value:.1}");
     let text = text.strip_suffix(".0").unwrap_or(&text);

@@ -1,5 +1,5 @@
-//! The torque commanded to the ankle pitch joints over time in two evaluations of one policy, say without and
-//! with a box in its way, with the moments at which a foot comes over the box.
+//! Torque commanded to the ankle pitch joints in two evaluations of one policy, such as without and with a
+//! box, and the moments at which a foot passes over the box.
 
 use super::{View, evaluated};
 use crate::outcome::{Evaluation, Trace};
@@ -13,14 +13,14 @@ use crate::report::wording::shortened;
 use crate::robot::Robot;
 use crate::robot::legs::Leg;
 
-/// Arms that are drawn.
+/// Most arms that are drawn.
 const ARMS: usize = 4;
-/// What is shown around the event, in s before and after it; without one the middle of the trace.
+/// Time shown before and after the event, in s; without an event, the window is in the middle of the trace.
 const WINDOW: [f64; 2] = [3.0, 5.0];
-/// Colours of the two evaluations: the arms' own, as one arm is drawn at a time.
+/// Colours of the two evaluations. Arm colours are free for this, as each panel shows a single arm.
 const INKS: [Ink; 2] = [Ink::Arm(0), Ink::Arm(1)];
 
-/// A policy in both evaluations.
+/// A policy with both evaluations.
 struct Twice<'a> {
     arm: &'a Arm,
     robot: &'a Robot,
@@ -30,7 +30,7 @@ struct Twice<'a> {
     ankles: [usize; 2],
 }
 
-/// The figure, when a run has traces in two evaluations of which one has an obstacle.
+/// The figure, if a run has traces in two evaluations, one of them with an obstacle.
 pub fn figure(view: &View) -> Option<Figure> {
     let twice: Vec<Twice> = view.groups.iter().filter_map(|group| of_group(view, group)).collect();
     let shown = &twice[..twice.len().min(ARMS)];
@@ -84,7 +84,7 @@ fn caption(shown: &[Twice], count: usize) -> String {
 }
 
 impl Twice<'_> {
-    /// When a foot first comes over the obstacle, by side and leg.
+    /// When the foot of this leg first reaches the obstacle, in each evaluation.
     fn events(&self, leg: usize) -> [Option<f64>; 2] {
         self.sides.map(|side| arrival(&side.evaluation, leg, self.robot))
     }
@@ -111,7 +111,7 @@ impl Twice<'_> {
     }
 }
 
-/// When the front end of a sole first is beyond the obstacle's front edge, in s.
+/// When the front end of a sole first passes the obstacle's front edge, in s.
 fn arrival(evaluation: &Evaluation, leg: usize, robot: &Robot) -> Option<f64> {
     let ([front, _], half) = (evaluation.obstacle?, robot.feet[leg].half_extents.x);
     let trace = &evaluation.trace;
@@ -119,8 +119,8 @@ fn arrival(evaluation: &Evaluation, leg: usize, robot: &Robot) -> Option<f64> {
     trace.time.get(over).copied()
 }
 
-/// The first run of an arm that has both evaluations: the named ones, or the first with an obstacle and the
-/// first without one in the same engine.
+/// The first run of an arm with both evaluations: the named ones, or the first with an obstacle and the first
+/// without one in the same engine.
 fn of_group<'a>(view: &View, group: &Group<'a>) -> Option<Twice<'a>> {
     group.runs.iter().find_map(|run| {
         let robot = run.robot.as_ref()?;

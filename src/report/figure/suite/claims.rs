@@ -1,5 +1,5 @@
-//! A forest plot of all claims: a row per comparison with its interval, the range in which it is expected,
-//! and the verdict. Claims of one unit share an axis.
+//! A forest plot of all claims: one row per comparison with its interval, the expected range and the verdict.
+//! Claims with the same unit share an axis.
 
 use super::View;
 use crate::report::claim::{Case, Judged, Ruling};
@@ -12,7 +12,7 @@ use crate::report::wording::shortened;
 
 /// The figure's name.
 pub const ID: &str = "claims";
-/// Height of a row, above a panel and below it, in pixels.
+/// Heights of a row, above a panel and below it, in pixels.
 const ROW: f64 = 22.0;
 const HEAD: f64 = 10.0;
 const BELOW: f64 = 44.0;
@@ -26,18 +26,18 @@ struct Row<'a> {
     among: Among,
 }
 
-/// Where a comparison stands among those of its claim in a panel.
+/// The position of a comparison among those of its claim in a panel.
 #[derive(Clone, Copy, PartialEq)]
 enum Among {
     /// The only one.
     Alone,
-    /// The first of several: the claim's name is a line of its own above it.
+    /// The first of several; the claim's name is on a separate line above it.
     First,
     /// A later one.
     Later,
 }
 
-/// The figure, when a claim was measured.
+/// The figure, if at least one claim was measured.
 pub fn figure(view: &View) -> Option<Figure> {
     let claims = judged(view.input);
     let panels = panels(&claims);
@@ -90,7 +90,7 @@ fn caption(claims: &[Judged], rows: usize) -> String {
     )
 }
 
-/// The rows by what their axis shows, in the order of the claims; claims without a comparison have no row.
+/// The rows by axis label, in the order of the claims; claims without a comparison have no row.
 fn panels(claims: &[Judged]) -> Vec<(String, Vec<Row<'_>>)> {
     let mut panels: Vec<(String, Vec<Row<'_>>)> = Vec::new();
     for claim in claims {
@@ -113,7 +113,7 @@ fn panels(claims: &[Judged]) -> Vec<(String, Vec<Row<'_>>)> {
     panels
 }
 
-/// Height of all rows with the names of the claims above them.
+/// Height of all rows, including the claim names above them.
 fn lines(rows: &[Row]) -> f64 {
     rows.iter().map(Row::height).sum()
 }
@@ -146,12 +146,12 @@ impl Row<'_> {
         shortened(&text, 44)
     }
 
-    /// What stands above it: the claim's name over the first of several.
+    /// The text above it: the claim's name for the first of several.
     fn heading(&self) -> String {
         if self.among == Among::First { shortened(&self.claim.id, 44) } else { String::new() }
     }
 
-    /// With its heading.
+    /// Height, including its heading.
     fn height(&self) -> f64 {
         if self.among == Among::First { 2.0 * ROW } else { ROW }
     }
@@ -160,7 +160,7 @@ impl Row<'_> {
         if self.case.estimate.unit == "%" { 100.0 } else { 1.0 }
     }
 
-    /// Estimate and interval in the axis' unit; `None` without a finite one.
+    /// A value in the unit of the axis; `None` if missing or not finite.
     fn place(&self, value: Option<f64>) -> Option<f64> {
         value.filter(|value| value.is_finite()).map(|value| self.scale() * value)
     }
@@ -169,12 +169,12 @@ impl Row<'_> {
         self.claim.ruling_of(self.case)
     }
 
-    /// Whether it passes or fails: its words are bold.
+    /// Whether it passes or fails, which is printed in bold.
     fn is_decided(&self) -> bool {
         matches!(self.ruling(), Ruling::Pass | Ruling::Fail)
     }
 
-    /// The verdict; that of a comparison among several is its own.
+    /// The verdict; one of several comparisons has its own.
     fn word(&self) -> &'static str {
         self.claim.word_of(self.case)
     }
@@ -195,12 +195,12 @@ impl Row<'_> {
         format!("{}: {number}{interval}, n = {}", self.word(), n.join(" and "))
     }
 
-    /// Where on the panel the expected range begins and ends; `None` for an open end.
+    /// Positions of the expected range's ends on the panel; `None` for an open end.
     fn bounds(&self, panel: &Panel) -> [Option<f64>; 2] {
         self.claim.bounds.map(|bound| self.place(bound).map(|value| panel.place(value, 0.0)[0]))
     }
 
-    /// Everything that must be seen.
+    /// The values that the axis must include.
     fn reach(&self) -> impl Iterator<Item = f64> {
         let Case { estimate, .. } = self.case;
         let [low, high] = self.claim.bounds;
@@ -244,12 +244,12 @@ fn panel(drawing: &mut Drawing, area: Area, label: &str, rows: &[Row]) {
     }
 }
 
-/// Estimated width of a text in pixels; bold is a tenth wider.
+/// Estimated width of a text in pixels; bold is 10 % wider.
 fn width_of(text: &str, bold: bool) -> f64 {
     if bold { 1.1 * text_width(text, 12.0) } else { text_width(text, 12.0) }
 }
 
-/// Shades where the claim expects the interval.
+/// Shades the expected range.
 fn shade(drawing: &mut Drawing, panel: &Panel, row: &Row, top: f64) {
     let [low, high] = row.bounds(panel);
     if low.is_none() && high.is_none() {

@@ -1,5 +1,5 @@
-//! Vertical foot forces of one policy of each arm in two evaluations, say in two engines, over one window of
-//! time.
+//! Vertical foot forces of one policy per arm in two evaluations, such as in two engines, over one time
+//! window.
 
 use super::{View, evaluated};
 use crate::report::figure::contact_forces::{has_forces, highest, panel, peak};
@@ -12,17 +12,17 @@ use crate::report::suite::Group;
 use crate::report::wording::shortened;
 use crate::statistics::summary::mean;
 
-/// Arms that are drawn.
+/// Most arms that are drawn.
 const ARMS: usize = 4;
 
-/// A policy in both evaluations.
+/// A policy with both evaluations.
 struct Twice<'a> {
     arm: &'a Arm,
     name: String,
     sides: [&'a Measured; 2],
 }
 
-/// The figure, when a run has traces of foot forces in two evaluations.
+/// The figure, if a run has traces of foot forces in two evaluations.
 pub fn figure(view: &View) -> Option<Figure> {
     let twice: Vec<Twice> = view.groups.iter().filter_map(|group| of_group(view, group)).collect();
     if twice.is_empty() {
@@ -86,20 +86,20 @@ fn caption(shown: &[Twice], count: usize) -> String {
 }
 
 impl Twice<'_> {
-    /// `rapier`, or the stage where both sides are of one engine.
+    /// `rapier`, or the stage if both sides use the same engine.
     fn words(&self, side: usize) -> &str {
         let [first, second] = self.sides;
         let same = first.evaluation.engine == second.evaluation.engine;
         if same { &self.sides[side].stage } else { &self.sides[side].evaluation.engine }
     }
 
-    /// Largest force in the window of the second side over that of the first.
+    /// Largest force in the window, second side over first side.
     fn window_ratio(&self) -> Option<f64> {
         let [first, second] = self.sides.map(peak);
         (first > 0.0).then(|| second / first)
     }
 
-    /// The same of the mean over the episodes of their largest forces.
+    /// The same ratio for each episode's largest force, averaged over the episodes.
     fn episode_ratio(&self) -> Option<f64> {
         let of = |side: &Measured| {
             mean(&side.evaluation.episodes.iter().map(|episode| episode.peak_foot_force).collect::<Vec<_>>())
@@ -109,7 +109,7 @@ impl Twice<'_> {
     }
 }
 
-/// The first run of an arm that has both evaluations: the named ones, or the first two in different engines.
+/// The first run of an arm with both evaluations: the named ones, or the first two in different engines.
 fn of_group<'a>(view: &View, group: &Group<'a>) -> Option<Twice<'a>> {
     group.runs.iter().find_map(|run| {
         let sides = match view.wanted.about.as_slice() {

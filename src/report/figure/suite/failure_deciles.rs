@@ -1,4 +1,4 @@
-//! The failure rate in each tenth of every parameter's values: a small panel per parameter, a line per arm.
+//! Failure rate in each decile of every parameter: one small panel per parameter, one line per arm.
 
 use super::View;
 use crate::report::figure::{Entry, Figure, legend};
@@ -10,13 +10,13 @@ use crate::statistics::CONFIDENCE;
 use crate::statistics::failure::Sets;
 use crate::statistics::failure::deciles;
 
-/// Panels side by side.
+/// Panels per row.
 const COLUMNS: usize = 4;
 /// Size of a panel and the gaps to the right and below, in pixels.
 const PANEL: [f64; 2] = [176.0, 108.0];
 const GAP: [f64; 2] = [34.0, 44.0];
 
-/// The figure, when an arm was evaluated over parameter sets in which something varies.
+/// The figure, if an arm was evaluated on parameter sets that vary.
 pub fn figure(view: &View) -> Option<Figure> {
     let stage = view.stage(|measured| is_of_sets(&measured.evaluation))?;
     let all: Vec<(String, Sets)> = view

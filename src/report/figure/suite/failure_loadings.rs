@@ -1,5 +1,5 @@
 //! What makes parameter sets fail, for every arm: the direction of failure, and the coefficients of a
-//! logistic regression on the parameters and their squares, each with its interval.
+//! logistic regression on the parameters and their squares, with intervals.
 
 use super::View;
 use crate::report::figure::Figure;
@@ -9,15 +9,15 @@ use crate::report::suite::failures::{analysis, is_of_sets};
 use crate::report::wording::shortened;
 use crate::statistics::failure::{Analysis, Ranged, Sets};
 
-/// Height of a parameter's line, above a panel and below it, in pixels.
+/// Heights of a parameter's line, above a panel and below it, in pixels.
 const LINE: f64 = 20.0;
 const HEAD: f64 = 30.0;
 const BELOW: f64 = 50.0;
-/// Width of a panel and of the gap beside it.
+/// Widths of a panel and of the gap to the next one.
 const WIDTH: f64 = 220.0;
 const GAP: f64 = 24.0;
 
-/// What is drawn of an analysis: the head of the column, its axis and its numbers.
+/// A column of the figure: its heading, its axis and the numbers that it draws.
 type Column = (&'static str, &'static str, fn(&Analysis) -> &[Ranged]);
 
 const COLUMNS: [Column; 3] = [
@@ -33,7 +33,7 @@ struct Found {
     analysis: Analysis,
 }
 
-/// The figure, when an arm was evaluated over parameter sets and fails often enough.
+/// The figure, if an arm was evaluated over parameter sets and has enough failures.
 pub fn figure(view: &View) -> Option<Figure> {
     let stage = view.stage(|measured| is_of_sets(&measured.evaluation))?;
     let found: Vec<Found> = view
@@ -116,8 +116,8 @@ fn reach(number: &Ranged) -> impl Iterator<Item = f64> {
         .flatten()
 }
 
-/// A dot with its interval for each parameter, filled where the interval leaves out zero; the names stand to
-/// the left of the direction's.
+/// A dot with its interval for each parameter, filled if the interval excludes zero. Names are to the left of
+/// the first column.
 fn lines(drawing: &mut Drawing, panel: &Panel, numbers: &[Ranged], names: Option<&[String]>) {
     for (line, number) in numbers.iter().enumerate() {
         let y = panel.area.top + LINE * (line as f64 + 0.5);

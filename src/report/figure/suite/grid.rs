@@ -1,5 +1,5 @@
-//! Heat maps: a metric over the last two axes of a suite, a square for every arm; the points of further axes
-//! have a grid each.
+//! Heat maps: a metric over the last two axes of a suite, one cell per arm. The points of other axes have
+//! separate grids.
 
 use super::View;
 use crate::report::figure::Figure;
@@ -10,14 +10,14 @@ use crate::report::suite::{Group, table, varying};
 use crate::report::wording::capitalised;
 use crate::statistics::summary::mean;
 
-/// The name of the survival's figure.
+/// The name of the survival figure.
 pub const ID: &str = "survival_grid";
 
-/// Size of a square in pixels; long numbers make it wider.
+/// Size of a cell in pixels; long numbers make it wider.
 const CELL: [f64; 2] = [112.0, 54.0];
-/// A page is as wide as so many squares: a longer axis runs downwards.
+/// Most cells across the page: a longer axis runs downwards.
 const MOST_COLUMNS: usize = 8;
-/// Above a grid's squares, and between two grids.
+/// Room above a grid's cells, and between two grids.
 const HEAD: f64 = 58.0;
 const BETWEEN: f64 = 22.0;
 
@@ -25,18 +25,18 @@ const BETWEEN: f64 = 22.0;
 struct Map<'a> {
     metric: Metric,
     stage: String,
-    /// The rows' axis and points; an axis without a name when the arms differ on one axis only.
+    /// Axis and points of the rows; the axis has no name if the arms differ on one axis only.
     rows: (&'a str, Vec<&'a str>),
     columns: (&'a str, Vec<&'a str>),
     /// The arms of each grid, with its title.
     grids: Vec<(String, Vec<usize>)>,
-    /// The values that are drawn faintest and darkest.
+    /// The values with the faintest and the darkest colour.
     range: [f64; 2],
-    /// Size of a square in pixels.
+    /// Size of a cell in pixels.
     cell: [f64; 2],
 }
 
-/// Survival, when the arms differ on two axes or more and were evaluated.
+/// Survival, if the arms differ on two or more axes and were evaluated.
 pub fn survival(view: &View) -> Option<Figure> {
     let stage = view.stage(|measured| !measured.evaluation.episodes.is_empty())?;
     let map = map(view, (Metric::named("survival")?, stage), 2)?;
@@ -50,7 +50,7 @@ pub fn survival(view: &View) -> Option<Figure> {
     figure(view, &map, ("Survival by arm", caption))
 }
 
-/// Any metric, when the arms differ on an axis at least and were evaluated.
+/// Any metric, if the arms differ on at least one axis and were evaluated.
 pub fn metric(view: &View) -> Option<Figure> {
     let (stage, name) = view.wanted.about.first()?.rsplit_once('.')?;
     let map = map(view, (Metric::named(name)?, stage.to_owned()), 1)?;
@@ -128,7 +128,7 @@ impl Map<'_> {
         written(scale * value, self.metric.digits)
     }
 
-    /// `25 to 75, n = 3`: the lowest and the highest seed, where there is more than one.
+    /// `25 to 75, n = 3`: the lowest and the highest seed, if there are several.
     fn spread(&self, arm: &Group<'_>) -> String {
         let values = table::values(arm, &self.stage, self.metric.name);
         if values.len() < 2 {
@@ -139,7 +139,7 @@ impl Map<'_> {
         format!("{} to {}, n = {}", self.shown(low), self.shown(high), values.len())
     }
 
-    /// The grid of some arms with its heads.
+    /// Draws the grid of some arms with its headings.
     fn draw(&self, drawing: &mut Drawing, [left, top]: [f64; 2], arms: &[&Group<'_>]) {
         let ((row_axis, rows), (column_axis, columns)) = (&self.rows, &self.columns);
         let centre = left + 0.5 * self.cell[0] * columns.len() as f64;
@@ -170,7 +170,7 @@ impl Map<'_> {
         }
     }
 
-    /// A square: darker where the value is larger, with the numbers in it.
+    /// Draws a cell: darker for larger values, with the numbers in it.
     fn square(&self, drawing: &mut Drawing, [left, top]: [f64; 2], arm: Option<&Group<'_>>) {
         let values = arm.map(|group| table::values(group, &self.stage, self.metric.name)).unwrap_or_default();
         let corners = [[left + 2.0, top + 2.0], [left + self.cell[0] - 2.0, top + self.cell[1] - 2.0]];

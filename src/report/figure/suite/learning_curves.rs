@@ -1,5 +1,5 @@
 //! Learning curves of a suite: the mean over an arm's seeds with a band, against samples (and simulated
-//! hours) and wall hours.
+//! hours) and wall-clock hours.
 
 use super::View;
 use crate::plan::Training;
@@ -16,24 +16,24 @@ use crate::statistics::summary::mean;
 use crate::statistics::{CONFIDENCE, Interval};
 use crate::stream::Stream;
 
-/// Parts of an axis over which a run is averaged, and in whose middles the seeds are compared.
+/// Number of bins on an axis: a run is averaged within each, and the seeds are compared at the centres.
 const PARTS: usize = 48;
-/// More curves than this go into panels of their own.
+/// More curves than this are split into separate panels.
 const TOGETHER: usize = 6;
-/// The same where there are several axes: one row for each point of the first.
+/// The same limit for several axes: one row for each point of the first.
 const CROSSED: usize = 3;
-/// Curves of a row where there is one axis only.
+/// Curves per row if there is only one axis.
 const ABREAST: usize = 4;
-/// Up to this many seeds are drawn one by one.
+/// Up to this many seeds are drawn individually.
 const SINGLE: usize = 5;
 /// Height of a row of panels and of the gap below it, in pixels.
 const ROW: [f64; 2] = [176.0, 52.0];
 /// Room between two panels of a row.
 const BETWEEN: f64 = 50.0;
-/// Room for the names of the axes below the last row.
+/// Room for the axis labels below the last row.
 const BELOW: f64 = 78.0;
 
-/// What learning is drawn against.
+/// The quantity on the horizontal axis.
 #[derive(Clone, Copy)]
 struct Effort {
     label: &'static str,
@@ -53,19 +53,19 @@ struct Curve {
 }
 
 impl Curve {
-    /// The highest point of the runs that are drawn one by one.
+    /// The highest point of the individually drawn runs.
     fn peak(&self) -> Option<f64> {
         let drawn = self.single.iter().filter(|_| (2..=SINGLE).contains(&self.single.len()));
         drawn.flatten().map(|(_, height)| *height).reduce(f64::max)
     }
 
-    /// Where the longest of its runs ends.
+    /// The end of its longest run.
     fn end(&self) -> f64 {
         self.single.iter().filter_map(|run| run.last()).map(|(place, _)| *place).fold(0.0, f64::max)
     }
 }
 
-/// The figure of the training that it is about, when at least one run has learned in it.
+/// The figure of the requested training, if at least one run has learned in it.
 pub fn figure(view: &View) -> Option<Figure> {
     let groups = &view.groups;
     let training = match view.wanted.about.first() {
@@ -104,8 +104,8 @@ pub fn figure(view: &View) -> Option<Figure> {
     let y = Axis::from_zero(returns.label(), heights, 5);
     for (across, effort) in efforts.iter().enumerate() {
         for (down, row) in rows.iter().enumerate() {
-            // The points of the first axis may have budgets of their own; rows of one point are read
-            // together.
+            // The points of the first axis may have different budgets; rows of the same point share an axis
+            // range.
             let beside = |other: &&Row| row.named.is_empty() || other.title == row.title;
             let same = |arm: &usize| rows.iter().filter(beside).any(|other| other.arms.contains(arm));
             let arms = (0..groups.len()).filter(same);
@@ -141,7 +141,7 @@ pub fn figure(view: &View) -> Option<Figure> {
     })
 }
 
-/// A row of panels: its title, the axes that the title names, and its arms.
+/// A row of panels: its title, the axes named in the title, and its arms.
 struct Row<'a> {
     title: String,
     named: Vec<&'a str>,
@@ -153,8 +153,7 @@ impl Row<'_> {
         self.arms.iter().map(|arm| shortened(&groups[*arm].name_without(&self.named), 34)).collect()
     }
 
-    /// The ink of each arm, by number: that of the first arm of the row that has learned in the very same
-    /// runs.
+    /// The ink of each arm, by index: that of the row's first arm that has learned in exactly the same runs.
     fn inks(&self, groups: &[Group<'_>], training: Training) -> Vec<usize> {
         let trained = |arm: &usize| -> Option<Vec<&str>> {
             let records = groups[*arm].runs.iter().map(|run| run.stage(training.stage()));
@@ -166,7 +165,7 @@ impl Row<'_> {
     }
 }
 
-/// What the caption says of arms that have one training: their curve is drawn once.
+/// The caption's remark on arms with a shared training: their curve is drawn once.
 fn shared(inks: &[Vec<usize>]) -> &'static str {
     let twice = |inks: &Vec<usize>| inks.iter().enumerate().any(|(place, ink)| place != *ink);
     if inks.iter().any(twice) { " Names of one colour in a row share a training and its curve." } else { "" }
@@ -195,15 +194,14 @@ fn rows<'a>(view: &View<'a>, returns: Returns) -> Vec<Row<'a>> {
     points.iter().flat_map(of_point).collect()
 }
 
-/// How many of so many curves a row has, so that no colour comes twice in it and the rows are about equally
-/// full.
+/// Curves per row, such that no colour repeats within a row and the rows are about equally full.
 fn abreast(count: usize, colours: usize) -> usize {
     let rows = count.div_ceil(colours).max(1);
     count.div_ceil(rows).max(1)
 }
 
-/// The rows in which something is drawn: of a suite half done, those of the arms that have learned. The first
-/// keeps the title.
+/// The rows with curves: in an incomplete suite, those of the arms that have learned. The first keeps the
+/// title.
 fn drawn_rows(mut rows: Vec<Row>, has_curve: impl Fn(usize) -> bool) -> Vec<Row> {
     let title = rows.first().map(|row| row.title.clone()).unwrap_or_default();
     rows.retain(|row| row.arms.iter().any(|arm| has_curve(*arm)));
@@ -213,7 +211,7 @@ fn drawn_rows(mut rows: Vec<Row>, has_curve: impl Fn(usize) -> bool) -> Vec<Row>
     rows
 }
 
-/// Draws the curves of a row; gives each one's place in the row and its last value.
+/// Draws the curves of a row; returns the position of each in the row and its last value.
 fn draw_all(
     drawing: &mut Drawing,
     panel: &Panel,
@@ -231,7 +229,7 @@ fn draw_all(
     ends
 }
 
-/// Simulated hours of a million samples, where all runs agree on them to a thousandth.
+/// Simulated hours per million samples, if all runs agree to 0.1 %.
 fn hours_per_million(groups: &[Group<'_>], training: Training) -> Option<f64> {
     let ratio = |run: &&Arm| {
         let last = run.updates_of(training).last().filter(|update| update.samples > 0)?;
@@ -246,7 +244,7 @@ fn hours_per_million(groups: &[Group<'_>], training: Training) -> Option<f64> {
         .filter(|hours| *hours > 0.0)
 }
 
-/// The curves of an arm's runs brought to common places.
+/// The curves of an arm's runs, resampled at common positions.
 fn curve(group: &Group<'_>, effort: Effort, (training, returns): (Training, Returns)) -> Option<Curve> {
     let points = |run: &&Arm| -> Vec<(f64, f64)> {
         let point = |update: &Update| Some(((effort.of)(update), returns.value(run, update)?));
@@ -256,7 +254,7 @@ fn curve(group: &Group<'_>, effort: Effort, (training, returns): (Training, Retu
     let last = runs.iter().filter_map(|run| run.last()).map(|(place, _)| *place).reduce(f64::min)?;
     let width = last / PARTS as f64;
     let single: Vec<Vec<(f64, f64)>> = runs.iter().map(|run| averaged(run, width)).collect();
-    // Before its first episode has ended a run has no return.
+    // A run has no return before its first episode has ended.
     let first = single.iter().filter_map(|run| run.first()).map(|(place, _)| *place).fold(0.0, f64::max);
     let middles = (0..PARTS).map(|part| (part as f64 + 0.5) * width);
     let places: Vec<f64> = middles.filter(|place| *place >= first).collect();
@@ -269,7 +267,7 @@ fn curve(group: &Group<'_>, effort: Effort, (training, returns): (Training, Retu
     Some(Curve { places, mean: means, interval, single })
 }
 
-/// The means of a curve over parts of this width; parts without a point are left out.
+/// The means of a curve over bins of this width; empty bins are omitted.
 fn averaged(curve: &[(f64, f64)], width: f64) -> Vec<(f64, f64)> {
     let part = |place: f64| (place / width).ceil() as i64;
     let parts = curve.chunk_by(|(a, _), (b, _)| part(*a) == part(*b));
@@ -281,7 +279,7 @@ fn averaged(curve: &[(f64, f64)], width: f64) -> Vec<(f64, f64)> {
     if averaged.len() > 1 { averaged } else { curve.to_vec() }
 }
 
-/// The value of a curve between its points.
+/// Linear interpolation of a curve.
 fn interpolated(curve: &[(f64, f64)], x: f64) -> Option<f64> {
     let after = curve.iter().position(|(place, _)| *place >= x).unwrap_or(curve.len() - 1).max(1);
     let ((x0, y0), (x1, y1)) = (curve.get(after - 1)?, curve.get(after)?);
@@ -304,7 +302,7 @@ fn draw(panel: &Panel, drawing: &mut Drawing, curve: &Curve, place: usize) {
     panel.line(drawing, &means, Stroke::solid(ink, 1.9));
 }
 
-/// Last part of the names of the streams that the bands are drawn with.
+/// Suffix of the random streams' names for the bands.
 fn bands(training: Training) -> &'static str {
     match training {
         Training::First => learning_curves::ID,

@@ -1,5 +1,4 @@
-//! The figures of a suite: what a suite names in `report.figures`, or without a list all that there is data
-//! for.
+//! The figures of a suite: those listed in `report.figures`, or without a list all figures with data.
 
 pub mod ankle_torque;
 pub mod claims;
@@ -17,7 +16,7 @@ use crate::report::source::Source;
 use crate::report::suite::{Group, groups};
 use crate::spec::suite::Wanted;
 
-/// The figures of a suite that names none; those without data are left out.
+/// The figures of a suite without a list; those without data are omitted.
 const USUAL: [&str; 7] = [
     "learning_curves",
     "claims",
@@ -31,18 +30,18 @@ const USUAL: [&str; 7] = [
 /// What a figure is drawn from.
 #[derive(Clone, Debug)]
 pub struct View<'a> {
-    /// Everything.
+    /// The report's input.
     pub input: &'a ReportInput,
     /// The arms with their runs.
     pub groups: Vec<Group<'a>>,
-    /// Name and subject of the figure.
+    /// Name and subject of the requested figure.
     pub wanted: Wanted,
 }
 
-/// Draws a figure, when there is data for it.
+/// Draws a figure, if there is data for it.
 type Draw = fn(&View) -> Option<Figure>;
 
-/// The figures in the order in which they are asked for.
+/// The figures in the requested order.
 pub fn all(input: &ReportInput) -> Vec<Figure> {
     let named: Vec<Wanted> = match input.figures.as_slice() {
         [] => USUAL.iter().map(|name| Wanted::parse(name)).collect(),
@@ -80,7 +79,7 @@ impl View<'_> {
         parts.collect::<Vec<_>>().join("_")
     }
 
-    /// The stage that the figure is about, or else the first one of which this holds in a run.
+    /// The requested stage, or else the first one for which the predicate holds in a run.
     pub fn stage(&self, or_else: impl Fn(&Measured) -> bool) -> Option<String> {
         if let Some(about) = self.wanted.about.first() {
             return Some(about.clone());
@@ -90,7 +89,7 @@ impl View<'_> {
         measured.find(|measured| or_else(measured)).map(|measured| measured.stage.clone())
     }
 
-    /// The evaluations of a stage, by arm, with the runs that they are of.
+    /// The evaluations of a stage by arm, with their runs.
     pub fn measured(&self, stage: &str) -> Vec<(usize, &Arm, &Measured)> {
         let mut found = Vec::new();
         for (place, group) in self.groups.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The reward per second of the episodes that survive: a histogram per arm, over all its policies.
+//! Reward per second of the episodes that survive: one histogram per arm, over all its policies.
 
 use super::{View, policies};
 use crate::outcome::Evaluation;
@@ -12,12 +12,12 @@ use crate::report::suite::failures::is_of_sets;
 use crate::report::wording::shortened;
 use crate::statistics::summary::{deviation, mean};
 
-/// Bars of a histogram.
+/// Number of bars.
 const BARS: usize = 40;
 /// Height of a histogram and of the gap below it, in pixels.
 const ROW: [f64; 2] = [74.0, 34.0];
 
-/// The survivors of an arm.
+/// The surviving episodes of an arm.
 struct Survivors {
     name: String,
     policies: usize,
@@ -25,7 +25,7 @@ struct Survivors {
     rewards: Vec<f64>,
 }
 
-/// The figure, when an episode survived: of the named evaluation, or of the first one over parameter sets.
+/// The figure, if an episode survived: of the named evaluation, or of the first one over parameter sets.
 pub fn figure(view: &View) -> Option<Figure> {
     let over_sets = |measured: &Measured| is_of_sets(&measured.evaluation);
     let named = view.input.figures.contains(&view.wanted.name);
@@ -97,7 +97,7 @@ fn arms(view: &View, stage: &str) -> Vec<Survivors> {
 }
 
 impl Survivors {
-    /// What is said beside its histogram.
+    /// The text next to its histogram.
     fn words(&self) -> Vec<String> {
         let mut words = vec![format!("{} of {} survive", self.rewards.len(), self.episodes)];
         if let Some(mean) = mean(&self.rewards) {
@@ -110,7 +110,7 @@ impl Survivors {
     }
 }
 
-/// Per cent of the values in each bar over a range.
+/// Percentage of the values in each bar over a range.
 fn shares(values: &[f64], [low, high]: [f64; 2]) -> Vec<f64> {
     let mut counts = vec![0.0; BARS];
     for value in values {

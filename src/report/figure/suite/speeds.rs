@@ -1,5 +1,5 @@
-//! A metric against the commanded speed, a panel per arm: the shares of successes with Wilson's intervals,
-//! other metrics with their episodes.
+//! A metric against the commanded speed, one panel per arm: success rates with Wilson intervals, other
+//! metrics with their episodes.
 
 use std::collections::BTreeMap;
 
@@ -15,16 +15,16 @@ use crate::statistics::proportion::wilson;
 use crate::statistics::summary::mean;
 use crate::statistics::{CONFIDENCE, Interval};
 
-/// Panels side by side.
+/// Panels per row.
 const COLUMNS: usize = 3;
 /// Size of a panel and the gaps to the right and below, in pixels.
 const PANEL: [f64; 2] = [250.0, 128.0];
 const GAP: [f64; 2] = [34.0, 58.0];
 
-/// The values of an arm by commanded speed in mm/s, over its policies.
+/// The values of an arm over its policies, by commanded speed in mm/s.
 type BySpeed = BTreeMap<i64, Vec<f64>>;
 
-/// The figure, when an arm was evaluated at several speeds: by the named metric, or by survival.
+/// The figure, if an arm was evaluated at several speeds: for the named metric, or for survival.
 pub fn figure(view: &View) -> Option<Figure> {
     let (stage, metric) = match view.wanted.about.first() {
         Some(about) => {
@@ -102,7 +102,7 @@ fn caption(metric: &Metric, stage: &str, arms: &[(String, usize, BySpeed)]) -> S
     format!("{} in `{stage}`. {how} {n}.", capitalised(metric.label))
 }
 
-/// Whether the episodes of an evaluation have several speeds.
+/// Whether the episodes of an evaluation have different speeds.
 fn has_speeds(measured: &Measured) -> bool {
     let evaluation = &measured.evaluation;
     let mut speeds = evaluation.episodes.iter().map(|episode| millimetres(evaluation, episode));
@@ -110,12 +110,12 @@ fn has_speeds(measured: &Measured) -> bool {
     first.is_some() && speeds.any(|speed| speed.is_some() && speed != first)
 }
 
-/// The speed that an episode was commanded, in whole mm/s.
+/// The commanded speed of an episode, in whole mm/s.
 fn millimetres(evaluation: &Evaluation, episode: &Episode) -> Option<i64> {
     episode.command.or(evaluation.command).map(|speed| libm::round(1000.0 * speed) as i64)
 }
 
-/// Name, number of policies and values of every arm that has any.
+/// Name, number of policies and values of every arm with values.
 fn arms(view: &View, stage: &str, metric: &Metric) -> Vec<(String, usize, BySpeed)> {
     let measured = view.measured(stage);
     let arm = |(place, group): (usize, &crate::report::suite::Group<'_>)| {
@@ -136,7 +136,7 @@ fn arms(view: &View, stage: &str, metric: &Metric) -> Vec<(String, usize, BySpee
     view.groups.iter().enumerate().map(arm).filter(|(.., values)| !values.is_empty()).collect()
 }
 
-/// What is said of all speeds together: `15 of 25, 60 % [41, 77]`.
+/// The result over all speeds: `15 of 25, 60 % [41, 77]`.
 fn together(metric: &Metric, values: &BySpeed) -> String {
     let all: Vec<f64> = values.values().flatten().copied().collect();
     match metric.unit {
@@ -171,7 +171,7 @@ fn draw(drawing: &mut Drawing, panel: &Panel, metric: &Metric, values: &BySpeed)
     let mut means = Vec::new();
     for (speed, values) in values {
         let speed = *speed as f64 / 1000.0;
-        // Where an episode was run, whatever came of it.
+        // Marks the speed of each episode, whatever its outcome.
         let foot = panel.place(speed, panel.y.range[0]);
         drawing.line(&[foot, [foot[0], foot[1] - 4.0]], Stroke::solid(Ink::Muted, 1.0));
         if success {
