@@ -262,7 +262,7 @@ fn spelled(path: &str, value: Option<&Value>, own: &BTreeMap<String, String>) ->
     }
 }
 
-/// The failures, or if there are none, the first stage that has not been run.
+/// The failures; if nothing failed, the first stage that has not been run.
 fn failures(job: &Job, record: &ArmRecord, paths: &Paths) -> Vec<Failure> {
     let of_arm = job.failures.iter().filter(|failure| failure.arms.contains(&record.name));
     let failed: Vec<Failure> = of_arm

@@ -3,8 +3,7 @@
 use super::model::Arm;
 use crate::robot::SelfCollision;
 
-/// Whether a robot has no collision shapes except its soles, so that self-collisions of its legs cannot be
-/// found.
+/// Whether a robot has no shapes except its soles, so that its legs' self-collisions cannot be found.
 pub fn is_blind(run: &Arm) -> bool {
     run.robot.as_ref().is_some_and(|robot| !SelfCollision::is_measurable(robot))
 }

@@ -8,7 +8,7 @@ use crate::statistics::summary::mean;
 /// The metrics of the second half of the time limit; they are 0 in an episode that ended before it.
 const SECOND_HALF: [&str; 2] = ["steady_speed", "steady_flight_per_step"];
 
-/// A metric of episodes.
+/// A metric measured per episode.
 #[derive(Clone, Copy, Debug)]
 pub struct Metric {
     /// Its name in templates, claims and `specforge trace`.
@@ -72,7 +72,7 @@ impl Metric {
     }
 }
 
-/// Mean of a metric over the episodes; `None` for an unknown name or if there are no episodes.
+/// Mean of a metric over the episodes; `None` without episodes or for an unknown name.
 pub fn average(evaluation: &Evaluation, name: &str) -> Option<f64> {
     mean(&Metric::named(name)?.values(evaluation))
 }

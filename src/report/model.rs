@@ -243,7 +243,7 @@ impl Arm {
         task::meaning(self.kind::<Task>())
     }
 
-    /// Whether its task involves locomotion.
+    /// Whether the robot travels in its task.
     pub fn travels(&self) -> bool {
         self.task().is_some_and(|task| task.travels)
     }

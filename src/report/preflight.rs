@@ -25,7 +25,7 @@ pub struct Preflight<'a> {
     pub syntax: SyntaxConfig,
     /// The variables that a template may use.
     pub variables: Value,
-    /// The texts.
+    /// The texts of the templates.
     pub sources: &'a mut Sources,
     /// The errors.
     pub found: Vec<Diagnostic>,

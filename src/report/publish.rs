@@ -1,9 +1,9 @@
-//! Publishing a report: its page, its record and its figures are copied out of the store to where people read
-//! them, all of them or none.
+//! Publishes a report: copies its page, record and figures out of the store to where people read them, all or
+//! none.
 //!
-//! Everything is written into a hidden folder first, so a full disk changes nothing. Then the old page goes,
-//! the figures and the record change places, and the new page comes last: a page is never beside the figures
-//! or the record of another run. What a kill in between leaves is put back by the next publication.
+//! Everything is first written to a hidden folder, so a full disk changes nothing. Then the old page is
+//! removed, figures and record are swapped, and the new page comes last: a page is never next to figures or a
+//! record of another run. If a kill interrupts this, the next publication recovers.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};
@@ -22,22 +22,22 @@ struct Copy {
     bytes: Vec<u8>,
 }
 
-/// A folder of reports (`reports/`) that nobody else publishes into as long as this lives.
+/// A folder of reports (`reports/`), locked against other publishers for the lifetime of this value.
 pub struct Publisher<'a> {
     folder: &'a Path,
-    /// None where the file system has no locks.
+    /// `None` if the file system does not support locks.
     _lock: Option<Lock>,
 }
 
 impl<'a> Publisher<'a> {
-    /// Makes the folder where it is missing, and waits for its lock.
+    /// Creates the folder if it is missing, and waits for its lock.
     pub fn lock(folder: &'a Path, wait: &Wait) -> Result<Self, StoreError> {
         fs::create_dir_all(folder).map_err(|error| StoreError::publishing(folder, error))?;
         Ok(Self { folder, _lock: lock::folder(folder, wait)? })
     }
 
-    /// Copies a report's files into the folder and gives the path of its page, `NAME.md`. A report that is
-    /// there already is left alone.
+    /// Copies a report's files into the folder and returns the path of its page, `NAME.md`. An identical
+    /// report is left alone.
     pub fn publish(&self, artefact: &Path, name: &str) -> Result<PathBuf, StoreError> {
         let (folder, files) = (self.folder, read(artefact, name)?);
         let page = folder.join(format!("{name}.md"));
@@ -54,13 +54,12 @@ impl<'a> Publisher<'a> {
     }
 }
 
-/// Publishes under a name that nobody else chooses meanwhile; see [`Publisher::publish`].
+/// Locks the folder and publishes under a name; see [`Publisher::publish`].
 pub fn publish(artefact: &Path, folder: &Path, name: &str) -> Result<PathBuf, StoreError> {
     Publisher::lock(folder, &Wait::default())?.publish(artefact, name)
 }
 
-/// The files of the artefact, which must be those of its manifest and belong to this report: page, record,
-/// figures.
+/// The files of the artefact (page, record, figures). They must match its manifest and belong to this report.
 fn read(artefact: &Path, name: &str) -> Result<Vec<Copy>, StoreError> {
     let path = artefact.join(manifest::FILE);
     let text = bounded::text(&path, bounded::RECORD)
@@ -83,7 +82,7 @@ fn read(artefact: &Path, name: &str) -> Result<Vec<Copy>, StoreError> {
     Ok(files)
 }
 
-/// Whether a file is the page of a report, its record, or lies in its folder of figures.
+/// Whether a file is a report's page or record, or lies in its folder of figures.
 fn is_own(path: &str, name: &str) -> bool {
     let Some(rest) = path.strip_prefix(name).filter(|_| safe_fs::is_plain(path) && safe_fs::is_plain(name))
     else {
@@ -92,8 +91,8 @@ fn is_own(path: &str, name: &str) -> bool {
     rest == ".md" || rest == ".json" || rest.len() > 1 && rest.starts_with('/')
 }
 
-/// The figures of the earlier report that the new one does not have, by that report's record. What else
-/// people have put into the folder of figures stays.
+/// Figures in the earlier report's record that the new report lacks. Any other files in the folder of figures
+/// stay.
 fn stale(folder: &Path, name: &str, files: &[Copy]) -> Vec<String> {
     let Ok(earlier) = Sidecar::read(&Sidecar::path(folder, name)) else { return Vec::new() };
     let gone = |file: &String| {
@@ -109,24 +108,24 @@ fn is_there(folder: &Path, file: &Copy) -> bool {
     present.is_ok_and(|present| present == file.bytes)
 }
 
-/// The exchange of one report for another.
+/// The replacement of a report by a new one.
 struct Exchange<'a> {
     folder: &'a Path,
-    /// The hidden folder, with `new/` and `old/`.
+    /// The hidden folder, which contains `new/` and `old/`.
     staging: String,
     name: &'a str,
 }
 
 impl Exchange<'_> {
-    /// Puts the earlier report back when a publication was killed in the middle of its exchange, and removes
-    /// its folder.
+    /// Restores the earlier report if a publication was killed during the swap, and removes its hidden
+    /// folder.
     fn recover(&self) -> io::Result<()> {
         let staging = safe_fs::inside(self.folder, &self.staging)?;
         if !staging.exists() {
             return Ok(());
         }
         let (new, old) = (below(&staging.join("new"))?, below(&staging.join("old"))?);
-        // Without new files left the exchange was over.
+        // If no new files are left, the swap was complete.
         if !new.is_empty() {
             for path in old {
                 let target = self.target(&path)?;
@@ -136,7 +135,7 @@ impl Exchange<'_> {
         fs::remove_dir_all(staging)
     }
 
-    /// Writes the new report beside its place, to the disk.
+    /// Writes the new report to the hidden folder and syncs it to disk.
     fn stage(&self, files: &[Copy]) -> io::Result<()> {
         let new = safe_fs::inside(self.folder, &self.staging)?.join("new");
         let write = |file: &Copy| {
@@ -147,7 +146,7 @@ impl Exchange<'_> {
             draft.sync_all()
         };
         let staged = files.iter().try_for_each(|file| {
-            // A link at its place is found before anything is moved.
+            // Finds links at the target before anything is moved.
             safe_fs::inside(self.folder, &file.path)?;
             write(file)
         });
@@ -157,13 +156,13 @@ impl Exchange<'_> {
         staged
     }
 
-    /// Exchanges the reports: the old page goes first, the new one comes last. When a step fails, all are
-    /// taken back.
+    /// Swaps the reports: the old page is removed first, the new one comes last. If a step fails, all are
+    /// undone.
     fn swap(&self, files: &[Copy], stale: &[String]) -> io::Result<()> {
         let staging = self.folder.join(&self.staging);
         let (old, new) = (staging.join("old"), staging.join("new"));
         let mut all: Vec<&str> = files.iter().map(|file| file.path.as_str()).collect();
-        // Figures, record, page.
+        // Figures, then record, then page.
         all.sort_by_key(|path| [!path.contains('/'), path.ends_with(".md")]);
         let going = all.iter().rev().copied().chain(stale.iter().map(String::as_str));
         let mut steps: Vec<(PathBuf, PathBuf)> = Vec::new();
@@ -186,7 +185,7 @@ impl Exchange<'_> {
         moved
     }
 
-    /// Moves files of the earlier report away, as far as they are there.
+    /// Moves existing files of the earlier report away.
     fn moved<'p>(
         &self,
         paths: impl Iterator<Item = &'p str>,
@@ -205,7 +204,7 @@ impl Exchange<'_> {
         Ok(())
     }
 
-    /// Where a file of the report is to be; its folder is made.
+    /// The target of a file of the report, whose folder is created.
     fn target(&self, path: &str) -> io::Result<PathBuf> {
         let target = safe_fs::inside(self.folder, path)?;
         fs::create_dir_all(safe_fs::folder_of(&target))?;
@@ -213,7 +212,7 @@ impl Exchange<'_> {
     }
 }
 
-/// The files below a folder, as relative paths; none when it is not there. Links are not followed.
+/// The files below a folder as relative paths; empty if it does not exist. Links are not followed.
 fn below(folder: &Path) -> io::Result<Vec<String>> {
     fn walk(root: &Path, folder: &Path, found: &mut Vec<String>) -> io::Result<()> {
         for entry in fs::read_dir(folder)? {
@@ -321,7 +320,7 @@ mod tests {
         let (store, reports) = (outer.path().join("artefact"), outer.path().join("reports"));
         first(&store);
         publish(&store, &reports, "walk").unwrap();
-        // The page is away and one figure has changed places.
+        // The page is moved away and one figure is swapped.
         let staging = reports.join(".walk.publishing");
         fs::create_dir_all(staging.join("old/walk")).unwrap();
         fs::create_dir_all(staging.join("new")).unwrap();
@@ -344,8 +343,8 @@ mod tests {
         let (store, reports) = (outer.path().join("artefact"), outer.path().join("reports"));
         first(&store);
         publish(&store, &reports, "walk").unwrap();
-        // A folder where the new figure is to be: it can be moved away, and a file can take its place; one
-        // that is missing from what was staged cannot.
+        // A folder at the new figure's place can be moved away and replaced by a file. A file missing from
+        // the staged ones cannot be moved.
         let files = [Copy { path: "walk.md".into(), bytes: b"page 2".into() }];
         let lost = Copy { path: "walk/lost.svg".into(), bytes: b"never staged".into() };
         let exchange = Exchange { folder: &reports, staging: ".walk.publishing".into(), name: "walk" };
@@ -368,7 +367,7 @@ mod tests {
             let error = publish(&store, &reports, "walk").expect_err(foreign);
             assert_eq!(error.code(), Some("R0012"), "{foreign}: {error}");
         }
-        // A manifest that was sealed again with a path that leads out.
+        // A manifest that was sealed again with a path outside the folder.
         artefact(&store, &[("walk.md", "page")]);
         let sealed = fs::read_to_string(store.join(manifest::FILE)).unwrap();
         let mut manifest = Manifest::from_text(&sealed).unwrap();

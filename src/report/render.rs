@@ -1,4 +1,4 @@
-//! Renders a report: figures, Markdown and the sidecar that `specforge trace` reads.
+//! Renders a report: figures, Markdown and the record that `specforge trace` reads.
 
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
@@ -17,7 +17,7 @@ use super::{digests, limits, preflight, wording};
 use crate::diag::{Diagnostic, Severity, Sources};
 use crate::escape::markdown;
 
-/// The files of a report; the Markdown comes first. The same input gives the same bytes.
+/// The files of a report, Markdown first. The same input gives the same bytes.
 pub fn render(
     input: &ReportInput,
     templates: &Templates,
@@ -45,7 +45,7 @@ pub fn render(
     Ok(files)
 }
 
-/// The mistakes of a template and of those that it uses, before anything is run.
+/// The errors of a template and of those it uses, found before anything is run.
 pub fn check(name: &str, templates: &Templates, sources: &mut Sources) -> Vec<Diagnostic> {
     let environment = environment(templates);
     let page = Page::default();
@@ -53,8 +53,8 @@ pub fn check(name: &str, templates: &Templates, sources: &mut Sources) -> Vec<Di
     if found.iter().any(|diagnostic| diagnostic.severity == Severity::Error) {
         return found;
     }
-    // Rendered once, without arms: an endless loop or a template that includes itself has no end then either.
-    // Whatever else fails may do so only because there are no arms.
+    // Rendered once without arms: endless loops and templates that include themselves show up even so. All
+    // other errors are ignored, as missing arms may cause them.
     match limits::render(environment, name, Value::from(Serde(&page))) {
         Err(error) if limits::is_exceeded(limits::cause(&error)) => {
             vec![failed(&error, name, templates, sources)]
@@ -63,7 +63,7 @@ pub fn check(name: &str, templates: &Templates, sources: &mut Sources) -> Vec<Di
     }
 }
 
-/// The mistakes of a template and of all that it names, directly or through others.
+/// The errors of a template and of all that it references, directly or indirectly.
 fn preflights(
     environment: &Environment,
     name: &str,
@@ -101,7 +101,7 @@ fn markdown(
     rendered.map_err(|error| vec![failed(&error, name, templates, sources)])
 }
 
-/// Why a template could not be rendered, in the template where it happened.
+/// Why a template could not be rendered, located in the template that failed.
 fn failed(error: &minijinja::Error, name: &str, templates: &Templates, sources: &mut Sources) -> Diagnostic {
     let error = limits::cause(error);
     let read = |name: &str| templates.get(name).ok().flatten();
@@ -111,7 +111,7 @@ fn failed(error: &minijinja::Error, name: &str, templates: &Templates, sources: 
     preflight::place(error, source, &text)
 }
 
-/// How tags are written.
+/// The tag syntax.
 fn syntax() -> SyntaxConfig {
     let syntax =
         SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build();
@@ -124,8 +124,7 @@ fn environment(templates: &Templates) -> Environment<'static> {
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment.set_syntax(syntax());
     limits::apply(&mut environment);
-    // A value is escaped when it is printed; what a macro or a filter of specforge has made is not escaped
-    // again.
+    // A value is escaped when printed. Output of specforge's macros and filters is not escaped again.
     environment.set_auto_escape_callback(|_| AutoEscape::Custom("markdown".into()));
     environment.set_formatter(|out, _, value| {
         let text = match value.as_str() {
@@ -154,7 +153,7 @@ fn environment(templates: &Templates) -> Environment<'static> {
     environment
 }
 
-/// A cell of a Markdown table: words, or a number without its unit, which the row names.
+/// A cell of a Markdown table: text, or a number without its unit, which is in the row label.
 fn written(cell: &Cell) -> String {
     match cell {
         Cell::Text(text) => markdown::cell(text),
@@ -162,7 +161,7 @@ fn written(cell: &Cell) -> String {
     }
 }
 
-/// Markdown without spaces at line ends, with one empty line between paragraphs at most.
+/// Removes trailing spaces and repeated empty lines from Markdown.
 fn tidied(text: String) -> String {
     let mut lines: Vec<&str> = Vec::new();
     for line in text.lines().map(str::trim_end) {

@@ -1,36 +1,36 @@
-//! Returns of several runs side by side.
+//! Compares returns of several runs.
 //!
-//! A return is a sum over control steps, so at twice the control rate the same behaviour has twice the
-//! return. Runs that differ in their rate are compared by the return times their control step: the reward's
-//! integral over time.
+//! A return is a sum over control steps, so the same behaviour at twice the control rate has twice the
+//! return. Runs with different rates are compared by return times control step, the integral of the reward
+//! over time.
 
 use super::model::{Arm, Update};
 
-/// How the returns of some runs are told.
+/// How to print the returns of some runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Returns {
     integral: bool,
 }
 
 impl Returns {
-    /// For these runs.
+    /// The format for these runs.
     pub fn of<'a>(runs: impl IntoIterator<Item = &'a Arm>) -> Self {
         let mut rates = runs.into_iter().map(Arm::control_rate);
         let first = rates.next();
         Self { integral: rates.any(|rate| Some(rate) != first) }
     }
 
-    /// What an axis, or a row or column of a table, is called.
+    /// The label of an axis, or of a row or column of a table.
     pub fn label(self) -> &'static str {
         if self.integral { "return times control step (s)" } else { "return" }
     }
 
-    /// What a panel is called.
+    /// The title of a panel.
     pub fn title(self) -> &'static str {
         if self.integral { "Return of an episode times the control step" } else { "Return of an episode" }
     }
 
-    /// Unit and digits of a number in a table.
+    /// Unit and number of decimals in a table.
     pub fn format(self) -> (&'static str, usize) {
         if self.integral { ("s", 1) } else { ("", 0) }
     }

@@ -1,4 +1,4 @@
-//! The value of every metric in every run of a suite: what verdicts can be computed from again.
+//! The value of every metric in every run of a suite: verdicts can be recomputed from them.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use super::model::{Arm, ReportInput};
 use crate::kinds::metric::{self, Scale, Source};
 use crate::plan::Training;
 
-/// A run with its values.
+/// A run with the values of its metrics.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
     /// Its name, as in the sources of a claim.
@@ -18,7 +18,7 @@ pub struct RunRecord {
     pub arm: String,
     /// Its learning seed.
     pub seed: u64,
-    /// Its stages that measure something.
+    /// Its stages with measurements.
     pub stages: BTreeMap<String, Measurements>,
 }
 
@@ -28,11 +28,11 @@ pub struct Measurements {
     /// Number of episodes; absent for a training.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub episodes: Option<usize>,
-    /// The mean over the episodes by metric, in SI units; shares between 0 and 1.
+    /// The mean over the episodes by metric, in SI units; shares are between 0 and 1.
     pub values: BTreeMap<String, f64>,
 }
 
-/// The records of a suite's runs; none for a report of single specs.
+/// The records of a suite's runs; empty for a report on single specs.
 pub fn records(input: &ReportInput) -> Vec<RunRecord> {
     input.arms.iter().filter_map(record).collect()
 }
@@ -64,7 +64,7 @@ fn insert(
 /// The values of a stage.
 fn values(run: &Arm, stage: &str, of_training: bool) -> BTreeMap<String, f64> {
     let kinds = metric::KINDS.iter().filter(|metric| {
-        // One that asks for a threshold or a parameter has a value only in a claim.
+        // Metrics with a threshold or parameter only have values in claims.
         metric.scale != Scale::Censored && matches!(metric.source, Source::Learning(_)) == of_training
     });
     let value = |metric: &&metric::MetricKind| {

@@ -1,4 +1,4 @@
-//! The file beside a report that says where everything in it comes from: `reports/NAME.json`.
+//! The record next to a report with the origin of everything in it: `reports/NAME.json`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::ErrorKind;
@@ -23,59 +23,58 @@ use crate::plan::TUNED_ENV;
 use crate::seal::unsealed::Unsealed;
 use crate::seal::{self, Seal};
 
-/// Stages that only prepare: with nothing else there is no result to report.
+/// Stages that only prepare; they are not results.
 const PREPARES: [&str; 6] = ["robot", "motion", "env", "controller", "pretrain", TUNED_ENV];
 
-/// The rules by which claims are judged today (docs/explanation/statistics.md). Raised whenever the same
+/// Version of the rules for judging claims (docs/explanation/statistics.md). Increased whenever the same
 /// values give another verdict, p value or estimate.
 pub const RULES: u32 = 2;
 
-/// Whether a stage's artefact is a result: something was learned, measured or made for use.
+/// Whether a stage's artefact is a result: learned, measured, or made for use.
 pub fn is_result(stage: &str) -> bool {
     !PREPARES.contains(&stage)
 }
 
-/// Where a report comes from.
+/// The provenance of a report.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sidecar {
     /// Name of the report.
     pub report: String,
-    /// What it is about, in one sentence.
+    /// Its subject, in one sentence.
     #[serde(default)]
     pub summary: String,
-    /// How much was run; absent in the records of earlier versions.
+    /// How much was run; absent in records of earlier versions.
     #[serde(default)]
     pub facts: Option<Facts>,
-    /// Version of specforge that rendered.
+    /// Version of specforge that rendered the report.
     pub tool_version: String,
     /// Its commit.
     pub commit: String,
-    /// The command that runs it again.
+    /// The command that reproduces it.
     pub command: String,
-    /// The paths in the project of the files that the command names; none in the records of earlier versions.
+    /// The paths in the project of the command's files; empty in records of earlier versions.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub specs: Vec<String>,
     /// Figures and tables.
     pub items: Vec<Item>,
-    /// The rules that the claims were judged by; 0 in the records of earlier versions.
+    /// The version of the rules that the claims were judged by; 0 in records of earlier versions.
     #[serde(default)]
     pub rules: u32,
-    /// The value of every metric in every run of a suite; none in the records of earlier versions.
+    /// The value of every metric in every run of a suite; empty in records of earlier versions.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub runs: Vec<RunRecord>,
     /// The claims with their verdicts and numbers.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub claims: Vec<Judged>,
-    /// How the policies of each arm do their task; absent in the records of earlier versions.
+    /// How well each arm's policies do their task; empty in records of earlier versions.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub tasks: Vec<TaskRecord>,
     /// The arms with their stages and values.
     pub arms: Vec<ArmRecord>,
-    /// BLAKE3 digests of the page and its figures; none in the records of earlier versions.
+    /// BLAKE3 digests of the page and its figures; empty in records of earlier versions.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub digests: Digests,
-    /// BLAKE3 digest of the canonical JSON of all of the record but this; empty in the records of earlier
-    /// versions.
+    /// BLAKE3 digest of the canonical JSON of the rest of the record; empty in records of earlier versions.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub seal: String,
 }
@@ -89,12 +88,12 @@ pub struct Facts {
     pub seeds: Vec<u64>,
     /// Number of runs.
     pub runs: usize,
-    /// Those of them that have all their results.
+    /// Number of runs with all their results.
     pub complete: usize,
-    /// The budget of a run as a share of its baseline's: `5 %`, `5 to 10 %`; empty when nothing was learned
-    /// or without baseline.
+    /// The budget of a run as a share of its baseline's: `5 %`, `5 to 10 %`; empty without training or
+    /// baseline.
     pub scale: String,
-    /// The different budgets of the runs in samples, ascending; none in the records of earlier versions.
+    /// The distinct budgets of the runs in samples, ascending; empty in records of earlier versions.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub budgets: Vec<u64>,
 }
@@ -111,12 +110,12 @@ pub struct Item {
     /// The file of a figure, relative to the report.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub file: String,
-    /// The stages that it was made from.
+    /// The stages it is made from.
     pub sources: Vec<Source>,
-    /// The cells of a table that can be traced one by one.
+    /// The cells of a table that can be traced individually.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cells: Vec<TracedCell>,
-    /// The stages of each row, for cells that have none of their own.
+    /// The stages of each row, for cells without their own.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub rows: BTreeMap<String, Vec<Source>>,
 }
@@ -126,11 +125,11 @@ pub struct Item {
 pub struct TracedCell {
     /// Name of the row.
     pub row: String,
-    /// Head of the column.
+    /// Heading of the column.
     pub column: String,
     /// The value.
     pub value: Cell,
-    /// The stage that it comes from; without it those of its row.
+    /// The stage that it comes from; if absent, those of its row.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub source: Option<Source>,
 }
@@ -154,13 +153,13 @@ pub struct ArmRecord {
     pub spec: String,
     /// Its stages.
     pub stages: Vec<StageRecord>,
-    /// Every value of the spec with its origin, by path; those of a run of a suite that are like the first
-    /// run's are left out.
+    /// Every value of the spec with its origin, by path. The runs of a suite omit values that equal the first
+    /// run's.
     pub fields: BTreeMap<String, FieldRecord>,
-    /// Whether values that are left out are those of the first arm.
+    /// Whether omitted values are those of the first arm.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub like_the_first: bool,
-    /// Values of the first arm that this one does not have.
+    /// Values of the first arm that are missing in this one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub without: Vec<String>,
 }
@@ -170,7 +169,7 @@ pub struct ArmRecord {
 pub struct FieldRecord {
     /// The value as written.
     pub value: String,
-    /// Where it was written.
+    /// Where it is written.
     pub origin: String,
 }
 
@@ -182,24 +181,24 @@ pub enum RecordError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// It is something else.
+    /// It is not a record.
     #[error("{} is not a report's record: {source}", path.display())]
     Malformed {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The syntax or format error.
         source: serde_json::Error,
     },
-    /// It is not as it was written.
+    /// It was changed after it was written.
     #[error("{} was changed after it was written: it does not have its own digest", path.display())]
     Changed {
         /// The file.
         path: PathBuf,
     },
-    /// It lacks the digest of itself.
+    /// Its own digest is missing.
     #[error("{}: {}", path.display(), seal::REMOVED)]
     Unsealed {
         /// The file.
@@ -208,7 +207,7 @@ pub enum RecordError {
 }
 
 impl RecordError {
-    /// Whether there is no record at all.
+    /// Whether the record does not exist.
     pub fn is_absence(&self) -> bool {
         let absent =
             |source: &std::io::Error| matches!(source.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory);
@@ -217,22 +216,22 @@ impl RecordError {
 }
 
 impl Sidecar {
-    /// Where the record of a report lies in a folder.
+    /// The path of a report's record in a folder.
     pub fn path(folder: &Path, name: &str) -> PathBuf {
         folder.join(format!("{name}.json"))
     }
 
-    /// Reads a record as it is, whether or not it was changed.
+    /// Reads a record without verifying its digest.
     pub fn read(path: &Path) -> Result<Self, RecordError> {
         Self::open(path).map(|(record, _)| record)
     }
 
-    /// Reads a record that is as it was written.
+    /// Reads a record, which must be unchanged.
     pub fn read_whole(path: &Path) -> Result<Self, RecordError> {
         Self::open_whole(path).map(|(record, _)| record)
     }
 
-    /// The same, with how it stands to its digest: whole, or of before there were any.
+    /// Does the same and returns the state of its digest: intact, or from before records had one.
     pub fn open_whole(path: &Path) -> Result<(Self, Seal), RecordError> {
         match Self::open(path)? {
             (_, Seal::Broken) => Err(RecordError::Changed { path: path.to_owned() }),
@@ -241,12 +240,12 @@ impl Sidecar {
         }
     }
 
-    /// Reads a record and compares it with its own digest.
+    /// Reads a record and verifies its own digest.
     pub fn open(path: &Path) -> Result<(Self, Seal), RecordError> {
         Self::open_by(path, Unsealed::known())
     }
 
-    /// The same by a list of the records that may lack a digest.
+    /// Does the same with a list of the records that may lack a digest.
     pub fn open_by(path: &Path, unsealed: &Unsealed) -> Result<(Self, Seal), RecordError> {
         let path = path.to_owned();
         let text = match bounded::text(&path, bounded::RECORD) {
@@ -257,7 +256,7 @@ impl Sidecar {
         Ok((record, seal::state(&text, unsealed)))
     }
 
-    /// The digests of the page and its figures, of a record of before it had any those that are known of it.
+    /// The digests of the page and its figures; for a record from before it had any, the known ones.
     pub fn digests_by(&self, seal: &Seal) -> Digests {
         let mut digests = self.digests.clone();
         if let Seal::Earlier(earlier) = seal {
@@ -266,13 +265,13 @@ impl Sidecar {
         digests
     }
 
-    /// The record with the digest of its content.
+    /// The record, completed with the digest of its content.
     pub fn sealed(mut self) -> Self {
         self.seal = seal::of(&self.to_json()).unwrap_or_default();
         self
     }
 
-    /// The sidecar of a report.
+    /// The record of a report.
     pub fn new(input: &ReportInput, page: &Page, figures: &[Figure]) -> Self {
         let pictures = figures.iter().map(|figure| Item {
             id: figure.id.clone(),
@@ -312,13 +311,12 @@ impl Sidecar {
         }
     }
 
-    /// Whether its claims were judged by earlier rules, so that its verdicts cannot be computed again from
-    /// it.
+    /// Whether its claims were judged by earlier rules, so that the verdicts cannot be recomputed from it.
     pub fn is_by_earlier_rules(&self) -> bool {
         self.rules < RULES && !self.claims.is_empty()
     }
 
-    /// How many results the report knows.
+    /// Number of results in the report.
     pub fn results(&self) -> usize {
         self.arms.iter().flat_map(|arm| &arm.stages).filter(|record| is_result(&record.stage)).count()
     }
@@ -331,7 +329,7 @@ impl Sidecar {
         shared.chain(&arm.fields).collect()
     }
 
-    /// The provenance that is written into a figure: a line of JSON.
+    /// The provenance embedded in a figure: a line of JSON.
     pub fn metadata(&self, id: &str) -> String {
         let sources = self.items.iter().filter(|item| item.id == id).flat_map(|item| &item.sources);
         let runs = sources.map(|source| {
@@ -388,7 +386,7 @@ impl Facts {
     }
 }
 
-/// The smallest and the largest budget as shares of the baselines'.
+/// The smallest and largest budget as shares of the baselines'.
 fn scale(input: &ReportInput) -> String {
     let percent = |share: f64| wording::number(100.0 * share);
     let shares = || input.arms.iter().filter_map(|arm| arm.budget_share);
@@ -399,7 +397,7 @@ fn scale(input: &ReportInput) -> String {
     }
 }
 
-/// The cells of the rows that have names, where the column or the row says where they come from.
+/// The cells of named rows whose column or row has a source.
 fn cells(table: &Table) -> Vec<TracedCell> {
     let mut cells = Vec::new();
     for row in table.rows.iter().filter(|row| !row.name.is_empty()) {
@@ -420,13 +418,13 @@ fn cells(table: &Table) -> Vec<TracedCell> {
     cells
 }
 
-/// The sources of the rows that have any.
+/// The sources of the rows with sources.
 fn rows(table: &Table) -> BTreeMap<String, Vec<Source>> {
     let with_sources = table.rows.iter().filter(|row| !row.name.is_empty() && !row.sources.is_empty());
     with_sources.map(|row| (row.name.clone(), row.sources.clone())).collect()
 }
 
-/// The records of the arms. The runs of a suite are many and alike: only the first has all its values.
+/// The records of the arms. A suite has many similar runs, so only the first has all its values.
 fn arms(input: &ReportInput) -> Vec<ArmRecord> {
     let mut arms: Vec<ArmRecord> = input.arms.iter().map(arm).collect();
     if let (Some(_), [first, rest @ ..]) = (&input.suite, arms.as_mut_slice()) {

@@ -1,10 +1,10 @@
-//! Where the numbers of a figure or a table come from.
+//! The sources of the numbers in a figure or table.
 
 use serde::{Deserialize, Serialize};
 
 use super::model::{Arm, ReportInput};
 
-/// A stage that a figure or a table was made from.
+/// A stage that a figure or table is made from.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Source {
     /// Name of the arm's spec.

@@ -1,5 +1,5 @@
-//! Which arms do their task: what a reader must know before any claim, because a claim that passes may
-//! compare failures.
+//! Which arms do their task. Readers must know this before any claim, as a claim that passes may compare
+//! failures.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,36 +10,36 @@ use super::verdict::judge;
 use super::wording::labels;
 use crate::outcome::Evaluation;
 
-/// As many arms are named.
+/// Most arms that are listed by name.
 const NAMED: usize = 8;
 
-/// How the policies of an arm do their task in one evaluation.
+/// How well the policies of an arm do their task in one evaluation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TaskRecord {
     /// The arm.
     pub arm: String,
     /// The stage of the evaluation.
     pub stage: String,
-    /// What a policy does that does its task: `walks`.
+    /// The task as a verb: `walks`.
     pub verb: String,
-    /// Number of policies that were evaluated.
+    /// Number of evaluated policies.
     pub policies: usize,
-    /// Those of them that do not do their task.
+    /// Number of policies that fail the task.
     pub failing: usize,
-    /// The learning seeds of the failing ones; none in the records of earlier versions and for single specs.
+    /// The learning seeds of the failing policies; empty in records of earlier versions and for single specs.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub seeds: Vec<u64>,
-    /// The criteria that a failing policy does not meet.
+    /// The criteria that failing policies do not meet.
     pub missed: Vec<String>,
 }
 
 impl TaskRecord {
-    /// Whether no policy of the arm does its task.
+    /// Whether all policies of the arm fail the task.
     pub fn fails(&self) -> bool {
         self.policies > 0 && self.failing == self.policies
     }
 
-    /// For programs.
+    /// A summary for programs.
     pub fn brief(&self) -> serde_json::Value {
         let Self { arm, stage, policies, failing, missed, .. } = self;
         serde_json::json!({ "arm": arm, "stage": stage, "policies": policies, "failing": failing,
@@ -62,7 +62,7 @@ impl TaskRecord {
 }
 
 impl TaskRecord {
-    /// ` (seeds 1, 3)`; empty where all fail or they are not known.
+    /// ` (seeds 1, 3)`; empty if all fail or if the seeds are unknown.
     fn seeds_in_words(&self) -> String {
         let seeds: Vec<String> = self.seeds.iter().map(u64::to_string).collect();
         let plural = if seeds.len() == 1 { "" } else { "s" };
@@ -74,7 +74,7 @@ impl TaskRecord {
     }
 }
 
-/// Every arm in every evaluation of its own task, in the order of the report.
+/// Every arm in every evaluation of its own task, in report order.
 pub fn records(input: &ReportInput) -> Vec<TaskRecord> {
     if input.suite.is_some() {
         return groups(input).iter().flat_map(|group| of_arm(group.name, &group.runs)).collect();
@@ -82,12 +82,12 @@ pub fn records(input: &ReportInput) -> Vec<TaskRecord> {
     input.arms.iter().zip(labels(&input.arms)).flat_map(|(arm, name)| of_arm(&name, &[arm])).collect()
 }
 
-/// The records of an arm with at least one policy that fails.
+/// The records of arms with at least one failing policy.
 pub fn failing(records: &[TaskRecord]) -> impl Iterator<Item = &TaskRecord> {
     records.iter().filter(|record| record.failing > 0)
 }
 
-/// One paragraph for the top of a page; none when every policy does its task.
+/// A paragraph for the top of a page; `None` if every policy does its task.
 pub fn paragraph(records: &[TaskRecord]) -> Option<String> {
     let failing: Vec<&TaskRecord> = failing(records).collect();
     if failing.is_empty() {
@@ -115,19 +115,18 @@ pub fn paragraph(records: &[TaskRecord]) -> Option<String> {
     ))
 }
 
-/// How many episodes of an evaluation the engine ended because the state was no longer a number or beyond
-/// reason.
+/// Number of episodes that the engine ended because the simulation diverged (NaN, infinity or absurd values).
 pub fn exploded(evaluation: &Evaluation) -> usize {
     evaluation.episodes.iter().filter(|episode| episode.end == "exploded").count()
 }
 
-/// Whether a stage of a run has such episodes: what they measured is none of the robot's.
+/// Whether any such episodes exist in a stage of a run: their measurements say nothing about the robot.
 pub fn explodes(run: &Arm, stage: &str) -> bool {
     run.evaluations.iter().any(|measured| measured.stage == stage && exploded(&measured.evaluation) > 0)
 }
 
-/// Whether a run does its task, as far as a stage says: that stage, or the first one of its own task where
-/// the stage is under other conditions. `None` where nothing was evaluated.
+/// Whether a run does its task in a stage. If the stage has other conditions, its first evaluation under the
+/// task's own conditions counts. `None` without evaluations.
 pub fn does(run: &Arm, stage: &str) -> Option<bool> {
     let evaluated = || run.evaluations.iter().filter(|measured| !measured.evaluation.episodes.is_empty());
     let is_own = |measured: &&Measured| conditions(run, measured).is_none();
@@ -136,7 +135,7 @@ pub fn does(run: &Arm, stage: &str) -> Option<bool> {
     Some(judge(run, &measured.evaluation).holds)
 }
 
-/// The evaluations of an arm's own task: those under other conditions are left out where there are others.
+/// The evaluations of an arm's own task: those under other conditions are omitted if there are others.
 fn of_arm(name: &str, runs: &[&Arm]) -> Vec<TaskRecord> {
     let evaluated =
         |run: &&Arm| run.evaluations.iter().any(|measured| !measured.evaluation.episodes.is_empty());

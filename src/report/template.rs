@@ -1,4 +1,4 @@
-//! Where templates come from: the user's `templates` folder, then those that come with specforge.
+//! Finds templates: those in the user's `templates` folder take precedence over the embedded ones.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use crate::bounded::{self, ReadError};
 use crate::diag::Diagnostic;
 
-/// The templates that come with specforge.
+/// The embedded templates.
 static EMBEDDED: [(&str, &str); 3] = [
     ("comparison.md.j2", include_str!("../../templates/comparison.md.j2")),
     ("run.md.j2", include_str!("../../templates/run.md.j2")),
     ("table.md.j2", include_str!("../../templates/table.md.j2")),
 ];
 
-/// The templates within reach.
+/// The available templates.
 #[derive(Clone, Debug, Default)]
 pub struct Templates {
     folder: Option<PathBuf>,
@@ -22,20 +22,20 @@ pub struct Templates {
 /// A template's text and where it was found.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Template {
-    /// The path as the user would write it.
+    /// The path as a user would write it.
     pub path: PathBuf,
     /// The text.
     pub text: String,
 }
 
 impl Templates {
-    /// The templates of this folder, where it has any, before those that come with specforge.
+    /// The templates of this folder, if any, take precedence over the embedded ones.
     pub fn new(folder: Option<PathBuf>) -> Self {
         Self { folder }
     }
 
-    /// The template of this name; `None` when there is none. E0906 for one of the user that cannot be read:
-    /// the one that comes with specforge is not what was meant then.
+    /// The template with this name; `None` if missing. E0906 for an unreadable user-defined one: falling back
+    /// to the embedded one would be wrong.
     pub fn get(&self, name: &str) -> Result<Option<Template>, Box<Diagnostic>> {
         let plain = Path::new(name).components().all(|part| matches!(part, std::path::Component::Normal(_)));
         if let Some(folder) = self.folder.as_ref().filter(|_| plain) {
@@ -72,12 +72,12 @@ impl Templates {
         names
     }
 
-    /// A digest of everything that a report rendered from this template can read: the stage's fingerprint
-    /// holds it, so that a changed template renders again and does nothing else.
+    /// A digest of everything that a report with this template can read. It is part of the stage's
+    /// fingerprint, so that changing a template only renders reports again.
     pub fn digest(&self, name: &str) -> String {
         let mut hasher = blake3::Hasher::new();
         for name in self.names().iter().map(String::as_str).chain([name]) {
-            // One that cannot be read is told before anything is run.
+            // Unreadable templates are reported before anything is run.
             let text = self.get(name).ok().flatten().map(|template| template.text).unwrap_or_default();
             for part in [name, &text] {
                 hasher.update(&(part.len() as u64).to_le_bytes());
@@ -87,7 +87,7 @@ impl Templates {
         hasher.finalize().to_hex().to_string()
     }
 
-    /// The diagnostic for a name that is not there.
+    /// The diagnostic for an unknown name.
     pub fn not_found(&self, name: &str) -> Diagnostic {
         if self.folder.as_ref().is_some_and(|folder| leads_out(folder, &folder.join(name))) {
             let error =
@@ -104,12 +104,12 @@ impl Templates {
     }
 }
 
-/// Whether there is no such file, because `templates` is no folder or holds none of that name.
+/// Whether the file is missing, also because `templates` is not a folder.
 fn is_absence(error: &ReadError) -> bool {
     error.is_absence() || matches!(error, ReadError::Io(error) if error.kind() == ErrorKind::NotADirectory)
 }
 
-/// Whether a template is a file outside of the folder that `templates` lies in.
+/// Whether a template is a file outside the parent folder of `templates`.
 fn leads_out(folder: &Path, path: &Path) -> bool {
     let project = folder.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     match (project.canonicalize(), path.canonicalize()) {

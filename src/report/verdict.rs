@@ -1,4 +1,4 @@
-//! Does it do the task? Written criteria with thresholds, so that standing still never counts as walking.
+//! Is the task done? Explicit criteria with thresholds, so that standing still never counts as walking.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,17 +14,17 @@ use crate::statistics::summary::mean;
 const SURVIVAL: f64 = 0.9;
 /// Share of the commanded speed that must be reached.
 const SPEED_SHARE: f64 = 0.5;
-/// Share of the time in which links may be inside each other: a touch, not a way of moving.
+/// Largest share of time in self-collision: enough for a touch, not for a way of moving.
 pub const INSIDE: f64 = 0.01;
 
 /// One condition of a task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Criterion {
-    /// What is asked, with its threshold.
+    /// The requirement, with its threshold.
     pub text: String,
-    /// What was measured.
+    /// The measured value.
     pub measured: Estimate,
-    /// Whether the mean meets the threshold; what cannot be measured counts as met.
+    /// Whether the mean meets the threshold; a criterion that cannot be measured counts as met.
     pub holds: bool,
     /// Why it cannot be measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -53,7 +53,7 @@ pub struct Verdict {
     pub criteria: Vec<Criterion>,
 }
 
-/// The speed that an evaluation asks for in m/s: its command, the mean of its episodes' commands, or the
+/// The commanded speed of an evaluation in m/s: its command, the mean of its episodes' commands, or the
 /// reference motion's own speed.
 pub fn asked_speed(arm: &Arm, evaluation: &Evaluation) -> Option<f64> {
     let own: Option<Vec<f64>> = evaluation.episodes.iter().map(|episode| episode.command).collect();
@@ -88,13 +88,13 @@ pub fn judge(arm: &Arm, evaluation: &Evaluation) -> Verdict {
     Verdict { verb: verb.to_string(), holds: criteria.iter().all(|criterion| criterion.holds), criteria }
 }
 
-/// Whether an evaluation meets all criteria of the arm's task but that of survival.
+/// Whether an evaluation meets all criteria of the arm's task except survival.
 pub fn does_but_for_survival(arm: &Arm, evaluation: &Evaluation) -> bool {
     judge(arm, evaluation).criteria.iter().skip(1).all(|criterion| criterion.holds)
 }
 
-/// Whether an evaluation meets a criterion of the task; `None` where it is judged without it. What was not
-/// measured is not met.
+/// Whether an evaluation meets a criterion of the task; `None` for an unmeasured optional criterion. Any
+/// other unmeasured criterion is not met.
 fn of_task(criterion: &task::Criterion, arm: &Arm, evaluation: &Evaluation) -> Option<Criterion> {
     let measured = estimate(evaluation, criterion.metric);
     if criterion.optional && measured.value.is_none() {
@@ -136,7 +136,7 @@ impl Verdict {
     }
 }
 
-/// Whether an evaluation shows a robot that survives by standing still: no steps worth the name.
+/// Whether a robot survives an evaluation by standing still, without significant steps.
 pub fn stands_still(evaluation: &Evaluation) -> bool {
     let mean = |name| average(evaluation, name).unwrap_or(0.0);
     mean("survival") >= SURVIVAL && mean("cadence") < 0.2 && mean("speed") < 0.05
@@ -193,7 +193,7 @@ mod tests {
         let unmeasurable = Some("not measurable: the robot has no collision shapes".to_owned());
         assert_eq!(met(&blind, Some(0.0)), (unmeasurable.clone(), true));
         assert_eq!(met(&blind, None), (unmeasurable, true));
-        // Its soles are known, and feet that pass through each other are.
+        // The soles are known, so feet that pass through each other are detected.
         assert_eq!(met(&blind, Some(0.02)), (Some("no".to_owned()), false));
     }
 
@@ -234,9 +234,9 @@ mod tests {
             (slides.phrase().as_str(), slides.criteria[1].text.as_str()),
             ("does not stand", "stays within 0.10 m of where it starts")
         );
-        // What was not measured is not met.
+        // An unmeasured criterion is not met.
         assert!(!standing(None).holds);
-        // A small robot has as much less room.
+        // The limit scales with the robot's size.
         let small =
             crate::robot::Robot { standing_height: 0.2, ..crate::robot::shipped("g1").expect("it ships") };
         let small = Arm { robot: Some(small), ..arm("stand") };
@@ -244,7 +244,7 @@ mod tests {
             judge(&small, &evaluation(Episode { survived: true, drift: Some(drift), ..Episode::default() }))
         };
         assert!(judged(0.02).holds && !judged(0.05).holds);
-        // A squat stays in place, too, as far as it was measured.
+        // A squat must also stay in place, if its drift was measured.
         let squats = |drift| {
             judge(&arm("squat"), &evaluation(Episode { survived: true, drift, ..Episode::default() })).holds
         };

@@ -1,4 +1,4 @@
-//! What a reader must know before believing a report.
+//! Warnings that a reader needs to interpret a report.
 
 use super::comparison::are_paired;
 use super::crossing;
@@ -14,7 +14,7 @@ use crate::spec::section;
 use crate::spec::typed::InSection;
 use crate::statistics::summary::mean;
 
-/// The warnings of a report, the gravest first.
+/// The warnings of a report, most serious first.
 pub fn warnings(input: &ReportInput) -> Vec<String> {
     let names = labels(&input.arms);
     let mut warnings = Vec::new();
@@ -49,7 +49,7 @@ fn failures(arm: &Arm, name: &str) -> Vec<String> {
     failed.chain(nothing.then(|| format!("{name}: nothing was evaluated."))).collect()
 }
 
-/// What a reader must know before believing the evaluations of an arm.
+/// Warnings about the evaluations of an arm.
 pub fn of_evaluations(arm: &Arm, name: &str) -> Vec<String> {
     let mut found = Vec::new();
     for measured in &arm.evaluations {
@@ -99,7 +99,7 @@ fn budgets(input: &ReportInput, names: &[String]) -> Vec<String> {
     found
 }
 
-/// Forces, torques and even speeds of another robot are those of another size and weight.
+/// Forces, torques and even speeds of different robots are not comparable, as size and weight differ.
 fn robots(input: &ReportInput) -> Option<String> {
     let model = |arm: &Arm| arm.section().at(section::Robot::model);
     let mut models: Vec<String> = input.arms.iter().filter_map(model).collect();
@@ -113,7 +113,7 @@ fn robots(input: &ReportInput) -> Option<String> {
     })
 }
 
-/// Returns tell arms apart only where both were paid for the same.
+/// Returns are comparable only between arms with the same reward.
 fn rewards(input: &ReportInput) -> Option<String> {
     let trained = |arm: &&Arm| !arm.updates.is_empty();
     let mut paid = input.arms.iter().filter(trained).map(|arm| arm.fields.get(Rewards::SECTION));
@@ -206,7 +206,7 @@ mod tests {
         Arm { name: "walk".into(), fields, evaluations, ..Arm::default() }
     }
 
-    /// An arm of three updates, paid this much for its speed, whose critic alone learns in the first
+    /// An arm with three updates and this reward weight for speed, whose critic alone learns in the first
     /// `warm_up`.
     fn trained(weight: u64, warm_up: u64) -> Arm {
         let mut arm = arm(80_000_000);

@@ -1,4 +1,4 @@
-//! How names, numbers and values of a spec are written in a report.
+//! Formats the names, numbers and values of a spec for a report.
 
 use super::estimate::Estimate;
 use super::model::{Arm, ReportInput};
@@ -6,8 +6,8 @@ use super::plot::axis::written;
 use crate::quantity;
 use crate::spec::{Sampler, Value};
 
-/// Short names of the arms: their spec's names without the words that all share at the front
-/// (`atlas_run_torque`, `atlas_run_position` are `torque`, `position`).
+/// Short names of the arms: their spec names without a common prefix of words (`atlas_run_torque`,
+/// `atlas_run_position` become `torque`, `position`).
 pub fn labels(arms: &[Arm]) -> Vec<String> {
     let words: Vec<Vec<&str>> = arms.iter().map(|arm| arm.name.split('_').collect()).collect();
     let shortest = words.iter().map(Vec::len).min().unwrap_or(0);
@@ -19,15 +19,15 @@ pub fn labels(arms: &[Arm]) -> Vec<String> {
     if unique { short } else { arms.iter().map(|arm| arm.name.clone()).collect() }
 }
 
-/// Characters of a name that is written into a drawing, at most.
+/// Most characters of a name in a drawing.
 const DIRECT: usize = 30;
 
-/// The short names of the arms as they are written beside lines: the middle of a long one is left out.
+/// The short names of the arms for labels next to lines; long ones are shortened in the middle.
 pub fn direct_labels(arms: &[Arm]) -> Vec<String> {
     labels(arms).iter().map(|name| shortened(name, DIRECT)).collect()
 }
 
-/// A text of so many characters at most; the middle of a longer one is left out.
+/// A text of at most `most` characters; longer ones are shortened in the middle.
 pub fn shortened(text: &str, most: usize) -> String {
     let characters: Vec<char> = text.chars().collect();
     if characters.len() <= most {
@@ -39,7 +39,7 @@ pub fn shortened(text: &str, most: usize) -> String {
     words.collect()
 }
 
-/// The text with a capital at its front.
+/// The text with a capital first letter.
 pub fn capitalised(text: &str) -> String {
     let mut characters = text.chars();
     characters.next().map_or(String::new(), |first| first.to_uppercase().chain(characters).collect())
@@ -74,7 +74,7 @@ pub fn duration(seconds: f64) -> String {
     }
 }
 
-/// A number in few digits: three significant ones, more for large whole numbers; no zeros at the end.
+/// A number with three significant digits, more for large whole numbers, without trailing zeros.
 pub fn number(value: f64) -> String {
     let size = value.abs();
     let decimals = match size {
@@ -88,7 +88,7 @@ pub fn number(value: f64) -> String {
     trimmed.to_string()
 }
 
-/// A value of a spec in its author's units where they are kept.
+/// A value of a spec, in its author's units if known.
 pub fn value(value: &Value) -> String {
     match value {
         Value::Flag(flag) => flag.to_string(),
@@ -116,7 +116,7 @@ fn distribution(sampler: &Sampler) -> String {
     }
 }
 
-/// A number with its 95 % interval, `94 % [80, 98]`; without its unit where a table's row names it.
+/// A number with its 95 % interval, `94 % [80, 98]`; without its unit if the table's row has it.
 pub fn with_interval(estimate: &Estimate, unit: bool) -> String {
     let scale = if estimate.unit == "%" { 100.0 } else { 1.0 };
     let digits = |value: f64| written(scale * value, estimate.digits);
@@ -128,13 +128,13 @@ pub fn with_interval(estimate: &Estimate, unit: bool) -> String {
     format!("{}{unit}{interval}", digits(value))
 }
 
-/// The command that makes the run again, or that renders its report again.
+/// The command that reproduces the run, or that renders its report again.
 pub fn command(input: &ReportInput, verb: &str) -> String {
     let specs: Vec<&str> = input.specs.iter().map(String::as_str).collect();
     command_of(verb, &specs, input.profile.as_deref(), &input.assignments, &input.outside)
 }
 
-/// The command of these specs, this profile, these assignments and these folders outside of the project.
+/// The command for these specs, profile, assignments and folders outside the project.
 pub fn command_of(
     verb: &str,
     specs: &[&str],

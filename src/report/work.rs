@@ -1,4 +1,4 @@
-//! The report stage: gathers, renders, writes the files into its artefact.
+//! The report stage: collects the input, renders, and writes the files to its artefact.
 
 use super::gather::{Law, gather};
 use super::{Templates, render};
@@ -14,7 +14,7 @@ pub struct ReportWork {
 }
 
 impl ReportWork {
-    /// A report with these templates; `law` puts a decoded spec's low-level law into words.
+    /// A report with these templates; `law` describes a decoded spec's low-level control law.
     pub fn new(templates: Templates, law: Law) -> Self {
         Self { templates, law }
     }
@@ -27,7 +27,7 @@ impl Work for ReportWork {
         let files =
             render(&input, &self.templates, &mut sources).map_err(|found| failure(&found, &sources))?;
         for file in files {
-            // The names of figures hold those of arms, which a saved plan may spell in any way.
+            // Figure names contain arm names, which a saved plan may set to anything.
             let path = safe_fs::inside(job.output, &file.path.to_string_lossy())
                 .map_err(|error| WorkError::io(&file.path, error))?;
             let parent = path.parent().unwrap_or(job.output);
@@ -38,7 +38,7 @@ impl Work for ReportWork {
     }
 }
 
-/// The mistakes of a template as the failure of a stage: `templates/run.md.j2:12:4: undefined variable`.
+/// The errors of a template as the failure of a stage: `templates/run.md.j2:12:4: undefined variable`.
 fn failure(found: &[Diagnostic], sources: &Sources) -> WorkError {
     let lines: Vec<String> = found.iter().map(|diagnostic| line(diagnostic, sources)).collect();
     let help = found.iter().flat_map(|diagnostic| diagnostic.help.first()).next().cloned();

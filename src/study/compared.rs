@@ -1,5 +1,4 @@
-//! The specs that a spec compares itself with in `report.compare`, and what keeps them from standing beside
-//! it.
+//! The specs that a spec lists in `report.compare`, and what makes them unsuitable for comparison.
 
 use std::path::Path;
 
@@ -13,8 +12,8 @@ use crate::plan::{PlanError, lower, same_results};
 use crate::spec::{Experiment, LoadOptions};
 use crate::syntax::Disk;
 
-/// What is wrong with the comparisons of a sound spec. Warnings of the others are told when they are checked
-/// themselves.
+/// What is wrong with the comparisons of a valid spec. Warnings about the other specs are reported when those
+/// are checked themselves.
 pub fn findings(spec: &Checked, file: &Path, options: &LoadOptions, checker: &mut Checker) -> Vec<Findings> {
     let Some((experiment, _)) = spec.sound().filter(|(experiment, _)| !experiment.is_abstract) else {
         return Vec::new();
@@ -46,8 +45,8 @@ pub fn findings(spec: &Checked, file: &Path, options: &LoadOptions, checker: &mu
     found
 }
 
-/// E0816 for an entry whose every result is the spec's own, by the keys of the stages. Specs of one name have
-/// an error of their own.
+/// E0816 for an entry with exactly the spec's own results, by the fingerprints of the stages. Specs with the
+/// same name are a separate error.
 fn same_results(spec: &Checked, other: &Checked, entry: usize) -> Option<Diagnostic> {
     let [own, compared] = [spec.sound()?.0, other.sound()?.0];
     if same_results::train_other_policies(&own.table, &compared.table) {
@@ -58,7 +57,7 @@ fn same_results(spec: &Checked, other: &Checked, entry: usize) -> Option<Diagnos
     Some(at_entry(error, (spec, entry)))
 }
 
-/// The errors of a spec, with a sentence that says who compares itself with it.
+/// The errors of a spec, with a sentence that names the spec comparing itself with it.
 fn errors(other: Checked, sentence: &str) -> Findings {
     let Checked { sources, sink, .. } = other;
     let mut errors = sink.diagnostics;
@@ -74,7 +73,7 @@ pub fn explain(findings: &mut Findings, sentence: &str) {
     errors.for_each(|found| found.help.push(sentence.to_owned()));
 }
 
-/// One error for each name that several of the specs have.
+/// One error for each name shared by several specs.
 fn namesakes(spec: &Checked, others: &[Checked]) -> Vec<Findings> {
     let specs: Vec<&Checked> = std::iter::once(spec).chain(others).collect();
     let mut names: Vec<&String> =
@@ -114,8 +113,8 @@ pub fn at_entry(diagnostic: Diagnostic, (by, entry): (&Checked, usize)) -> Diagn
     }
 }
 
-/// The texts of the spec that an error of the plan is about, and the place in them: of specs with one name
-/// the last.
+/// The sources of the spec that an error of the plan is about, and the position in them. Of specs with the
+/// same name, it is the last.
 pub fn located(error: &PlanError, specs: &[&Checked]) -> (Sources, Option<Span>) {
     let named = |name: &str| {
         let is_named =
@@ -131,7 +130,7 @@ pub fn located(error: &PlanError, specs: &[&Checked]) -> (Sources, Option<Span>)
     (spec.sources.clone(), place)
 }
 
-/// Where a spec's name is written; the begin of a file that leaves it to its own name.
+/// Where a spec's name is written; the start of the file if it is named after the file.
 fn name_of(experiment: &Experiment, sources: &Sources) -> Span {
     let written = format!("\"{}\"", experiment.name);
     let (source, found) = (experiment.source, sources.get(experiment.source).text.find(&written));

@@ -1,4 +1,4 @@
-//! The TOML files behind paths: files as they are, folders as what is below them.
+//! Collects TOML files: files are taken directly, folders are searched recursively.
 
 use std::collections::BTreeSet;
 use std::os::unix::fs::MetadataExt;
@@ -13,8 +13,8 @@ const MOST: usize = 100_000;
 /// Deepest nesting of folders.
 const DEEPEST: usize = 64;
 
-/// The TOML files behind arguments, sorted within each. Hidden folders and the build's are not entered. E0008
-/// for a folder that is too large.
+/// The TOML files for these arguments, sorted within each. Hidden folders and `target` are skipped. E0008 for
+/// a folder that is too large.
 pub fn toml_files(arguments: &[PathBuf]) -> Result<Vec<PathBuf>, Diagnostic> {
     let mut walk = Walk::default();
     for argument in arguments {
@@ -30,11 +30,11 @@ pub fn toml_files(arguments: &[PathBuf]) -> Result<Vec<PathBuf>, Diagnostic> {
 
 #[derive(Default)]
 struct Walk {
-    /// Where the folder that was named leads; a link out of it is not what was named.
+    /// The real path of the named folder; links that lead out of it are skipped.
     named: PathBuf,
     found: Vec<PathBuf>,
     entries: usize,
-    /// Device and inode of the folders on the way and of those that are done: a symlink can lead back to one.
+    /// Device and inode of all folders visited so far: a symlink can lead back to one.
     visited: BTreeSet<(u64, u64)>,
 }
 
@@ -56,7 +56,7 @@ impl Walk {
             paths.push(entry.path());
         }
         paths.sort();
-        // What a link names that is neither a file nor a folder is told when it is read.
+        // A link to something other than a file or folder is reported when it is read.
         let leads_out = |path: &PathBuf| {
             path.is_symlink() && (path.is_file() || path.is_dir()) && !identity(path).starts_with(&self.named)
         };
@@ -76,7 +76,7 @@ impl Walk {
     }
 }
 
-/// The file itself, however it is called.
+/// The canonical path of a file.
 pub fn identity(file: &Path) -> PathBuf {
     file.canonicalize().unwrap_or_else(|_| file.to_owned())
 }
@@ -86,20 +86,20 @@ fn too_large(folder: &Path, why: &str) -> Diagnostic {
     Diagnostic::error("E0008", message).help("name the folder that holds the specs, such as `specs`")
 }
 
-/// Whether a file is a suite; one that cannot be read is not.
+/// Whether a file is a suite; `false` if it cannot be read.
 pub fn is_suite(path: &Path) -> bool {
     bounded::text(path, bounded::WRITTEN).is_ok_and(|text| suite::is_suite(&text))
 }
 
-/// The specs and suites behind paths: files as they are, of folders the TOML files below them that have an
-/// edition, sorted. Motions and robots have none. E0008 for a folder that is too large.
+/// The specs and suites for these paths: files are taken directly, folders are searched for TOML files with
+/// an edition, sorted. Motions and robots have no edition. E0008 for a folder that is too large.
 pub fn specs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Diagnostic> {
     let is_spec = |path: &PathBuf| paths.contains(path) || may_be_spec(path);
     Ok(toml_files(paths)?.into_iter().filter(is_spec).collect())
 }
 
-/// Whether a file has an edition. One that is there and cannot be read may have one, and reading it says what
-/// it is.
+/// Whether a file has an edition. True for an existing file that cannot be read, as reading it later reports
+/// the error.
 fn may_be_spec(path: &Path) -> bool {
     match bounded::head(path, bounded::WRITTEN) {
         Ok(bytes) => String::from_utf8_lossy(&bytes).lines().any(says_edition),
@@ -130,7 +130,7 @@ mod tests {
         let path = |name: &str| folder.path().join(name);
         fs::create_dir_all(path("a/b")).unwrap();
         fs::write(path("a/b/x.toml"), "").unwrap();
-        // Two loops in one folder: followed for ever, they would double the paths on every level.
+        // Two loops in one folder: following them would double the paths on every level.
         symlink("../..", path("a/b/up")).unwrap();
         symlink(".", path("a/here")).unwrap();
         symlink("loop", path("loop")).unwrap();

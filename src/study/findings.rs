@@ -1,4 +1,4 @@
-//! Diagnostics with the texts that they point into.
+//! Diagnostics with the sources that they point into.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -6,57 +6,56 @@ use std::path::{Path, PathBuf};
 use super::Refusal;
 use crate::diag::{Diagnostic, Severity, Sources};
 
-/// Diagnostics and the texts that they point into.
+/// Diagnostics and the sources that they point into.
 #[derive(Clone, Debug)]
 pub struct Findings {
-    /// The texts.
+    /// The sources.
     pub sources: Sources,
-    /// What was found.
+    /// The diagnostics.
     pub diagnostics: Vec<Diagnostic>,
-    /// The file that was read: diagnostics without a place are about it.
+    /// The file that was read, for diagnostics without a location.
     pub file: Option<PathBuf>,
 }
 
 impl Findings {
-    /// What was found in texts.
+    /// Diagnostics in these sources.
     pub fn of(sources: Sources, diagnostics: Vec<Diagnostic>) -> Self {
         Self { sources, diagnostics, file: None }
     }
 
-    /// The same of a file.
+    /// The same for this file.
     pub fn in_file(self, file: &Path) -> Self {
         Self { file: Some(file.to_owned()), ..self }
     }
 
-    /// Whether one of them is an error.
+    /// Whether any of them is an error.
     pub fn has_errors(&self) -> bool {
         self.diagnostics.iter().any(|found| found.severity == Severity::Error)
     }
 }
 
-/// What was found in several specs or variants so far: a mistake in what they share is one mistake.
+/// The diagnostics of several specs or variants so far: an error in a shared part is reported once.
 #[derive(Clone, Debug, Default)]
 pub struct Told(BTreeSet<String>);
 
 impl Told {
-    /// Whether a finding is new, which it is once.
+    /// Whether a diagnostic is new; it counts as known from then on.
     pub fn is_new(&mut self, sources: &Sources, found: &Diagnostic) -> bool {
         let place = found.labels.first().map(|label| sources.place(label.span)).unwrap_or_default();
         self.0.insert(format!("{} {place} {}", found.code, found.message))
     }
 }
 
-/// What was found on the way to a plan, in the order in which it was found, each mistake once. Nothing is
-/// printed.
+/// Diagnostics on the way to a plan, in order, each once. Nothing is printed.
 #[derive(Clone, Debug, Default)]
 pub struct Log {
-    /// The findings.
+    /// The diagnostics.
     pub findings: Vec<Findings>,
     known: Told,
 }
 
 impl Log {
-    /// Keeps what is new; `Err` when one of the findings is an error.
+    /// Adds new diagnostics; `Err` if any of the findings is an error.
     pub fn add(&mut self, mut findings: Findings) -> Result<(), Refusal> {
         let is_refused = findings.has_errors();
         findings.diagnostics.retain(|found| self.known.is_new(&findings.sources, found));

@@ -1,6 +1,6 @@
-//! From the files of specs, of a suite or of a saved plan to a plan with its project: everything is loaded,
-//! checked and lowered. Nothing here prints or ends the process: a program that embeds specforge reads the
-//! diagnostics from the log.
+//! From specs, a suite or a saved plan to a plan with its project: loads, checks and lowers everything.
+//! Nothing here prints or ends the process: a program that embeds specforge reads the diagnostics from the
+//! log.
 
 pub mod compared;
 pub mod files;
@@ -25,7 +25,7 @@ use crate::plan::Plan;
 use crate::report::paths;
 use crate::spec::LoadOptions;
 
-/// A plan and where it belongs.
+/// A plan with its project.
 #[derive(Clone, Debug)]
 pub struct Study {
     /// The plan.
@@ -34,29 +34,29 @@ pub struct Study {
     pub name: String,
     /// The folder of `reports/` and `.specforge/`.
     pub project: PathBuf,
-    /// The profiles that could have been chosen; none of a plan from a file.
+    /// The available profiles; empty for a plan from a file.
     pub profiles: Vec<String>,
 }
 
-/// Why there is no plan.
+/// Why a plan could not be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Refusal {
     /// The files have errors, which are in the log.
     #[error("the specs have errors")]
     Invalid,
-    /// The files cannot be planned together, or not like this.
+    /// The files cannot be planned together, or not with these options.
     #[error("{message}")]
     Usage {
         /// What is wrong.
         message: String,
-        /// What to do.
+        /// How to fix it.
         advice: String,
     },
 }
 
 impl Study {
-    /// Reads, checks and lowers files: one or more specs with the specs that they compare themselves with,
-    /// one suite, or one saved plan. The log has all diagnostics, also those of a study that can be run.
+    /// Reads, checks and lowers files: one or more specs with those they compare themselves with, one suite,
+    /// or one saved plan. The log receives all diagnostics, including those of a valid study.
     pub fn read(files: &[PathBuf], options: &LoadOptions, log: &mut Log) -> Result<Self, Refusal> {
         match files {
             [file] if saved::is_plan(file) && options.varies() => Err(Refusal::Usage {
@@ -77,24 +77,24 @@ impl Study {
         }
     }
 
-    /// The store: the folder that was chosen, or `.specforge` in the project's folder. `Err` when its mark is
-    /// damaged or of another layout, or when the folder is not a store and not empty.
+    /// The store: the given folder, or `.specforge` in the project's folder. `Err` if its marker is damaged
+    /// or has another layout, or if the folder is neither a store nor empty.
     pub fn store(&self, chosen: Option<PathBuf>) -> Result<Store, StoreError> {
         let store = Store::at(chosen.unwrap_or_else(|| self.project.join(".specforge")));
         store.identity()?;
         Ok(store)
     }
 
-    /// The folder of the page, unless another one is chosen: below `reports/` as the (first) spec is below
+    /// The default folder of the page: its path below `reports/` mirrors that of the (first) spec below
     /// `specs/`.
     pub fn reports(&self) -> PathBuf {
         let place = self.plan.arms.first().map_or("", |arm| arm.request.place.as_str());
         self.project.join("reports").join(paths::page_folder(place))
     }
 
-    /// Works on all stages that are not in the store, at most `jobs` at once, and publishes the report into
-    /// [`Study::reports`]. With the path of its page; none when a stage failed or the run was interrupted,
-    /// which the events say.
+    /// Runs all stages that are missing from the store, at most `jobs` at once, and publishes the report in
+    /// [`Study::reports`]. Returns the path of its page; `None` if a stage failed or the run was interrupted,
+    /// which events report.
     pub fn run(
         &self,
         store: &Store,

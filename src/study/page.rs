@@ -1,12 +1,12 @@
-//! The page that is there already: a report that lacks results does not take the place of one that knows
-//! more, or of one of which nobody can say what it knows.
+//! Protects an existing page: an incomplete report does not replace one with more results, or one whose
+//! number of results is unknown.
 
 use std::path::Path;
 
 use crate::report::sidecar::Sidecar;
 
-/// Why a report that lacks results and has so many does not take the place of the page of a record, and the
-/// cure; `again` says how the results come back.
+/// Why an incomplete report with `results` results must not replace the page of a record, and the fix;
+/// `again` says how to restore the missing results.
 pub fn objection(record: &Path, results: usize, again: &str) -> Option<(String, String)> {
     let page = record.with_extension("md");
     let page = page.display();

@@ -1,8 +1,8 @@
-//! The name under which a report is published: its own, unless the page of that name is of something else.
+//! The name of a report: that of its spec, unless the page with that name is of something else.
 //!
-//! A page is of a spec, a profile, assignments and a budget. A report of others goes to a page beside it,
-//! `NAME.PROFILE.md`, or `NAME.PROFILE.DIGEST.md` where a `--set` or another spec makes the difference.
-//! Another commit, or a spec that was edited, renders the same page anew.
+//! A page belongs to a spec, profile, assignments and budget. Any other report is named `NAME.PROFILE.md`, or
+//! `NAME.PROFILE.DIGEST.md` if a `--set` or the spec differs. Another commit, or an edited spec, updates the
+//! same page.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -16,24 +16,24 @@ use crate::report::table::setup::budget_of;
 use crate::report::{fields, wording};
 use crate::spec::Table;
 
-/// What stands for the profile of a run without one.
+/// The profile in the page name of a run without one.
 const NO_PROFILE: &str = "full";
 
-/// Most bytes of a profile in the name of a page; the digest says the rest.
+/// Most bytes of a profile in a page name; the digest covers the rest.
 const LONGEST_PROFILE: usize = 60;
 
-/// Where a report goes.
+/// The destination of a report.
 #[derive(Clone, Copy, Debug)]
 pub struct Destination<'a> {
     /// The folder of reports.
     pub folder: &'a Path,
-    /// The name of the spec, which its report has where no other page has it.
+    /// The name of the spec, which the report uses unless it is taken.
     pub own: &'a str,
 }
 
-/// Why a page does not have the name of its spec.
+/// Why the name of the spec is taken.
 enum Taken {
-    /// The page of that name is of another spec.
+    /// The page with that name is of another spec.
     Spec(String),
     /// It is of something else.
     Other(String),
@@ -44,21 +44,21 @@ enum Taken {
 pub struct Choice {
     /// The name, without `.md`.
     pub name: String,
-    /// Why it is another than the spec's, for the user.
+    /// Why it differs from the spec's, for the user.
     pub note: Option<String>,
 }
 
-/// A study whose report has the name that its page can have.
+/// A study whose report has an available page name.
 pub struct Settled {
     /// The study.
     pub study: Study,
     /// The name of the spec.
     pub own: String,
-    /// Why the page has another name than the spec, for the user.
+    /// Why the page's name differs from the spec's, for the user.
     pub note: Option<String>,
 }
 
-/// The study with the name that its report can have in a folder as it is now.
+/// Names the study's report by the pages that exist in a folder.
 pub fn settled(study: Study, folder: &Path) -> Result<Settled, PlanError> {
     let own = study.name.clone();
     let Choice { name, note } = choice(&study, Destination { folder, own: &own });
@@ -69,7 +69,7 @@ pub fn settled(study: Study, folder: &Path) -> Result<Settled, PlanError> {
     Ok(Settled { study: Study { plan, name, ..study }, own, note })
 }
 
-/// The name that the page of a study has in a folder as it is now.
+/// Chooses the page name of a study by the pages that exist in a folder.
 pub fn choice(study: &Study, destination: Destination) -> Choice {
     let Destination { folder, own } = destination;
     let (is_other_spec, reason) = match taken(study, folder, own) {
@@ -93,8 +93,7 @@ pub fn choice(study: &Study, destination: Destination) -> Choice {
     Choice { name, note: Some(note) }
 }
 
-/// Why a report of this study cannot have this name; none when there is no such page, or one of the same
-/// run.
+/// Why a report of this study cannot have this name; `None` if the page does not exist or is of the same run.
 fn taken(study: &Study, folder: &Path, name: &str) -> Option<Taken> {
     let other = |reason: &str| Some(Taken::Other(reason.to_owned()));
     if index::FILE.eq_ignore_ascii_case(&format!("{name}.md")) {
@@ -109,7 +108,7 @@ fn taken(study: &Study, folder: &Path, name: &str) -> Option<Taken> {
     }
 }
 
-/// What makes the run of a record another one than that of a study.
+/// What distinguishes the run of a record from that of a study.
 fn difference(record: &Sidecar, study: &Study) -> Option<Taken> {
     let plan = &study.plan;
     let request = plan.arms.first().map(|arm| arm.request.clone()).unwrap_or_default();
@@ -150,7 +149,7 @@ fn difference(record: &Sidecar, study: &Study) -> Option<Taken> {
     }
 }
 
-/// Whether a record is of the files that a study is made of, or of specs with the same values.
+/// Whether a record has the same spec files as a study, or specs with the same values.
 fn is_same_spec(record: &Sidecar, files: &[PathBuf], study: &Study) -> bool {
     let plan = &study.plan;
     let requests: Vec<&Request> = plan.arms.iter().take(named(plan)).map(|arm| &arm.request).collect();
@@ -167,7 +166,7 @@ fn is_same_spec(record: &Sidecar, files: &[PathBuf], study: &Study) -> bool {
     same_places || has_same_values(record, plan)
 }
 
-/// Whether two paths, each from the project's folder or the present one, name the same file.
+/// Whether two paths, relative to the project or the current folder, are the same file.
 fn is_same_file(recorded: &Path, present: &Path, project: &Path) -> bool {
     let real = |path: &Path| -> BTreeSet<PathBuf> {
         [project.join(path), path.to_owned()].iter().filter_map(|path| path.canonicalize().ok()).collect()
@@ -175,7 +174,7 @@ fn is_same_file(recorded: &Path, present: &Path, project: &Path) -> bool {
     recorded == present || !real(recorded).is_disjoint(&real(present))
 }
 
-/// Whether all arms of a record have the values of a plan's.
+/// Whether all arms of a record have the same values as those of a plan.
 fn has_same_values(record: &Sidecar, plan: &Plan) -> bool {
     let same = |(recorded, present): (&ArmRecord, &crate::plan::graph::ArmRecord)| {
         let values =
@@ -197,10 +196,10 @@ fn budgets_of(plan: &Plan) -> Vec<u64> {
     budgets.into_iter().collect()
 }
 
-/// The fields that make a budget.
+/// The fields that determine the budget.
 const BUDGET: [&str; 3] = ["learn.samples", "learn.stop_at", "fine_tune.samples"];
 
-/// The budgets of a record of earlier versions, as far as its rounded values say them.
+/// The budgets in a record of an earlier version, which has rounded values.
 fn budget_texts(record: &Sidecar) -> BTreeSet<Vec<String>> {
     let of_arm = |arm| {
         let fields = record.fields(arm);
@@ -220,7 +219,7 @@ fn texts_of(plan: &Plan) -> BTreeSet<Vec<String>> {
     plan.arms.iter().map(|arm| of_arm(&arm.fields.only(&["learn", "fine_tune"]))).collect()
 }
 
-/// `300 k`, or of records of earlier versions what they say.
+/// `300 k`, or the text in a record of an earlier version.
 fn budget_words(record: &Sidecar) -> String {
     let counts: Vec<String> = budgets(record).into_iter().map(wording::count).collect();
     let texts = || budget_texts(record).into_iter().map(|texts| texts.join(" and ")).collect();
@@ -228,7 +227,7 @@ fn budget_words(record: &Sidecar) -> String {
     words.join(", ")
 }
 
-/// Eight digits that stand for what a report is of; the same for the same command.
+/// Eight digits that identify a report's specs and options; the same for the same command.
 fn digest(plan: &Plan, request: &Request) -> String {
     let mut hasher = blake3::Hasher::new();
     for request in plan.arms.iter().take(named(plan)).map(|arm| &arm.request) {

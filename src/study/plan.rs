@@ -1,4 +1,4 @@
-//! A plan with its project, made of the arms of specs or of a suite.
+//! A plan with its project, from the arms of specs or of a suite.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use crate::report::template::Templates;
 use crate::spec::section::Report;
 use crate::spec::{LoadOptions, Section, Table};
 
-/// What a page is of, beside its arms.
+/// The content of a page, besides its arms.
 pub struct Reported<'a> {
     /// Its name.
     pub name: &'a str,
@@ -22,8 +22,8 @@ pub struct Reported<'a> {
     pub baselines: Vec<Table>,
 }
 
-/// The plan of arms, with their report. `located` gives the texts of the specs and the place in them that is
-/// to blame.
+/// The plan of arms with their report. `located` returns the sources of the specs and the position of an
+/// error in them.
 pub fn lowered(
     arms: &[Arm],
     Reported { name, suite, baselines }: Reported<'_>,
@@ -43,23 +43,22 @@ pub fn lowered(
     }
 }
 
-/// The templates that a project's reports are rendered with.
+/// The templates for a project's reports.
 pub fn templates(project: &Path) -> Templates {
     Templates::new(Some(project.join("templates")))
 }
 
-/// The digest of the templates that the report is rendered with. A mistake in its template is found here,
-/// before anything is trained.
+/// The digest of the report's templates. Errors in them are found here, before anything is trained.
 fn checked_templates(fields: &Table, project: &Path, log: &mut Log) -> Result<String, Refusal> {
     let template = Section::new(fields).at(Report::template).unwrap_or_else(|| "run.md.j2".to_owned());
     let (templates, mut sources) = (templates(project), Sources::default());
     let diagnostics = render::check(&template, &templates, &mut sources);
     log.add(Findings::of(sources, diagnostics))?;
-    // The copies inside the program and the code that renders change with the commit.
+    // Embedded templates and rendering code change with the commit.
     Ok(format!("{} {}", templates.digest(&template), env!("SPECFORGE_COMMIT")))
 }
 
-/// An arm of a checked spec; `None` when that has errors.
+/// An arm of a checked spec; `None` if it has errors.
 pub fn plain_arm(checked: &Checked) -> Option<Arm> {
     let (experiment, robot) = checked.sound()?;
     Some(Arm {
@@ -74,7 +73,7 @@ pub fn plain_arm(checked: &Checked) -> Option<Arm> {
     })
 }
 
-/// What was asked for: a file of a project and its variant.
+/// The request: a file of a project and its variant.
 pub fn request(file: &Path, project: &Path, options: &LoadOptions) -> Request {
     Request {
         spec: file.display().to_string(),
@@ -85,7 +84,7 @@ pub fn request(file: &Path, project: &Path, options: &LoadOptions) -> Request {
     }
 }
 
-/// A spec's path in its project, the same however the user named the file; its name where it lies elsewhere.
+/// A spec's path in its project, independent of how the user wrote it; its file name if it lies elsewhere.
 pub fn place_in(project: &Path, file: &Path) -> String {
     let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let project = if project.as_os_str().is_empty() { Path::new(".") } else { project };
@@ -94,14 +93,14 @@ pub fn place_in(project: &Path, file: &Path) -> String {
     inside.unwrap_or(&file).display().to_string()
 }
 
-/// The project's folder: the nearest around the spec with a Cargo.toml, else with `robots/`, else the
-/// spec's own.
+/// The project's folder: the spec's nearest parent folder with a Cargo.toml, else with `robots/`, else the
+/// spec's own folder.
 pub fn project(spec: &Path, root: Option<&Path>) -> PathBuf {
     let here = std::path::absolute(spec).unwrap_or_else(|_| spec.to_owned());
     let crate_root = here.ancestors().skip(1).find(|folder| folder.join("Cargo.toml").is_file());
     let own = here.parent().map(Path::to_owned).unwrap_or_default();
     let absolute = crate_root.map(Path::to_owned).or_else(|| root.map(Path::to_owned)).unwrap_or(own);
-    // Shorter in messages, and the same folder.
+    // Shorter in messages, but the same folder.
     match std::env::current_dir() {
         Ok(current) => absolute.strip_prefix(current).map(Path::to_owned).unwrap_or(absolute),
         Err(_) => absolute,

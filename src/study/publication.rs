@@ -1,8 +1,7 @@
-//! Publishing a report under the lock of its folder.
+//! Publishes a report under the lock of its folder.
 //!
-//! Its name is chosen again there: a run of the same spec with another `--set`, side by side with this one,
-//! may have published its page in the meantime. The report is then rendered once more under the name that is
-//! left for it.
+//! The name is chosen again under the lock, as a concurrent run of the same spec with another `--set` may
+//! have published its page meanwhile. The report is then rendered again under an available name.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -15,37 +14,37 @@ use crate::exec::{self, StoreError, Workshop};
 use crate::plan::{PlanError, StageKind};
 use crate::report::publish::Publisher;
 
-/// A report under the name that it is published with, and the lock of its folder.
+/// A report with its final name, and the lock of its folder.
 pub struct Ready<'a> {
-    /// The folder, for nobody else as long as this lives.
+    /// The folder, locked for the lifetime of this value.
     pub publisher: Publisher<'a>,
     /// The name of its page.
     pub name: String,
     /// Its artefact in the store.
     pub artefact: PathBuf,
-    /// Keeps an artefact that was rendered here from being cleaned away.
+    /// Protects an artefact that was rendered here from garbage collection.
     _lease: Option<Lease>,
 }
 
-/// Why a report is not ready to be published.
+/// Why a report cannot be published.
 #[derive(Debug, thiserror::Error)]
 pub enum Unready {
     /// The store or the folder cannot be used.
     #[error(transparent)]
     Store(#[from] StoreError),
-    /// The plan cannot have another name of its report.
+    /// The report of the plan cannot be renamed.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// Rendering it again was interrupted.
+    /// Rendering was interrupted.
     #[error("interrupted")]
     Interrupted,
-    /// Rendering it again failed; an event said why.
+    /// Rendering failed; an event has the reason.
     #[error("the report cannot be rendered")]
     Failed,
 }
 
-/// Locks the folder of reports, and renders the report again if its page must have another name than it was
-/// rendered with. `tell` gets sentences for the user while that takes time.
+/// Locks the folder of reports, and renders the report again if its page needs another name. `tell` receives
+/// progress messages for the user.
 pub fn ready<'a>(
     artefact: &Path,
     study: &Study,

@@ -10,10 +10,10 @@ use crate::diag::{Diagnostic, Sources};
 use crate::escape;
 use crate::plan::{Plan, SavedError, StageKind};
 
-/// What writes a plan.
+/// How to save a plan.
 const ADVICE: &str = "write the plan with `specforge plan SPEC --save PLAN.json`";
 
-/// Whether a file is a plan, by its ending.
+/// Whether a file is a plan, by its extension.
 pub fn is_plan(file: &Path) -> bool {
     file.extension().is_some_and(|ending| ending == "json")
 }

@@ -11,7 +11,7 @@ use crate::check::{self, Checked, unrunnable};
 use crate::plan::{Arm, PlanError, same_results};
 use crate::spec::{LoadOptions, Table};
 
-/// Loads and checks one spec; `Err` when it has errors. Its diagnostics are in the log and in the spec.
+/// Loads and checks one spec; `Err` if it has errors. Its diagnostics are in the log and in the spec.
 pub fn checked(path: &Path, options: &LoadOptions, log: &mut Log) -> Result<Checked, Refusal> {
     if is_suite(path) {
         return Err(Refusal::Usage {
@@ -26,11 +26,11 @@ pub fn checked(path: &Path, options: &LoadOptions, log: &mut Log) -> Result<Chec
 
 /// An entry of a spec's `report.compare`.
 struct Entry {
-    /// The spec that has it, by its place among all.
+    /// Index of the spec with the entry.
     by: usize,
-    /// Its place in the list.
+    /// Index in its list.
     place: usize,
-    /// The spec that it names, likewise.
+    /// Index of the spec that the entry names.
     other: usize,
 }
 
@@ -38,12 +38,12 @@ struct Entry {
 pub fn read(files: &[PathBuf], options: &LoadOptions, log: &mut Log) -> Result<Study, Refusal> {
     let mut specs: Vec<Checked> = Vec::new();
     let mut arms: Vec<Arm> = Vec::new();
-    // With the spec that compares itself with the file, and which entry of its list that is.
+    // Each file with the spec that lists it for comparison, and the index in its list.
     let mut open: Vec<(PathBuf, Option<(usize, usize)>)> =
         files.iter().map(|file| (file.clone(), None)).collect();
     let mut seen = Vec::new();
     let mut place = None;
-    // The specs that were only compared with, and the entries that name them.
+    // The specs that are only compared with, and the entries that name them.
     let mut entries: Vec<Entry> = Vec::new();
     while !open.is_empty() {
         let (file, named) = open.remove(0);
@@ -56,7 +56,7 @@ pub fn read(files: &[PathBuf], options: &LoadOptions, log: &mut Log) -> Result<S
         let checked = comparable(&file, by, options, log)?;
         let Some((experiment, _)) = checked.sound() else { return Err(Refusal::Invalid) };
         if named.is_none() {
-            // A spec that is only compared with does not bring its own comparisons.
+            // The comparisons of a spec that is only compared with are ignored.
             let compared = experiment.compare.iter().enumerate();
             open.extend(compared.map(|(entry, path)| (path.clone(), Some((specs.len(), entry)))));
         }
@@ -88,10 +88,10 @@ pub fn read(files: &[PathBuf], options: &LoadOptions, log: &mut Log) -> Result<S
     Ok(Study { profiles, ..study })
 }
 
-/// Bytes of a report's name at most: file systems take 255, and endings are added.
+/// Most bytes of a report's name: file systems allow 255, and extensions are added.
 const LONGEST: usize = 120;
 
-/// The name of a report on several specs: `A_vs_B`, or of many the first one with a digest of all.
+/// The name of a report on several specs: `A_vs_B`, or if too long, the first one with a digest of all.
 fn joined(arms: &[Arm]) -> String {
     let name = arms.iter().map(|arm| arm.name.as_str()).collect::<Vec<_>>().join("_vs_");
     match arms {
@@ -103,8 +103,7 @@ fn joined(arms: &[Arm]) -> String {
     }
 }
 
-/// A checked spec that can be run. What keeps a spec of `report.compare` from it is told with the place that
-/// names it.
+/// A checked spec that can be run. Errors of a spec in `report.compare` mention the entry.
 fn comparable(
     file: &Path,
     by: Option<(&Checked, usize)>,
@@ -124,7 +123,7 @@ fn comparable(
         let told = format!("`{}` compares itself with {}{chosen}", experiment.name, file.display());
         log.findings[known..].iter_mut().for_each(|findings| compared::explain(findings, &told));
     })?;
-    // A parent may be incomplete; what is wrong with running it is that it is one.
+    // A parent may be incomplete, so the error is only that it cannot be run.
     let (sources, reason) = match by {
         Some(by) => (&by.0.sources, compared::no_parent(&checked, by)),
         None => {
@@ -138,7 +137,7 @@ fn comparable(
     Ok(checked)
 }
 
-/// An arm of a checked spec with what was asked for.
+/// An arm of a checked spec, with its request.
 fn arm(
     checked: &Checked,
     file: &Path,

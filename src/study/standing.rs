@@ -1,4 +1,4 @@
-//! Whether a report is of the runs that its own command would make today.
+//! Checks whether a report matches the runs that its own command would make today.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -9,16 +9,16 @@ use crate::report::index::Standing;
 use crate::report::sidecar::Sidecar;
 use crate::spec::LoadOptions;
 
-/// What a record's command names.
+/// The content of a record's command.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Recorded {
     /// The specs.
     pub files: Vec<PathBuf>,
-    /// Their variant. A record is a file like any other: it permits no folder outside of the project.
+    /// Their variant. A record is untrusted: it cannot permit folders outside the project.
     pub options: LoadOptions,
 }
 
-/// Plans a report's command and compares the stages. None: the record names no command of this program.
+/// Plans a report's command and compares the stages. `None`: the record has no command of this program.
 pub fn of(report: &Sidecar, log: &mut Log) -> Result<Option<Standing>, Refusal> {
     let Some(Recorded { files, options }) = recorded(report) else { return Ok(None) };
     if files.iter().any(|file| !file.is_file()) {
@@ -28,8 +28,8 @@ pub fn of(report: &Sidecar, log: &mut Log) -> Result<Option<Standing>, Refusal> 
     Ok(Some(compared(report, &study.plan)))
 }
 
-/// The specs and their variant that a record's command names (`report::wording::command_of`); none when it is
-/// no `run` of this program with these options only.
+/// The specs and variant in a record's command (`report::wording::command_of`); `None` unless it is a `run`
+/// of this program with only these options.
 pub fn recorded(report: &Sidecar) -> Option<Recorded> {
     let mut words = shlex::split(&report.command)?.into_iter();
     if words.next()? != "specforge" || words.next()? != "run" {
@@ -48,8 +48,8 @@ pub fn recorded(report: &Sidecar) -> Option<Recorded> {
     (!recorded.files.is_empty()).then_some(recorded)
 }
 
-/// The report's stages beside those of a plan. Its own stage is left out: it follows the program that
-/// renders.
+/// Compares the report's stages with those of a plan. The report stage is excluded, as it depends on the
+/// program that renders.
 fn compared(report: &Sidecar, plan: &Plan) -> Standing {
     let made: BTreeSet<&str> =
         report.arms.iter().flat_map(|arm| &arm.stages).map(|stage| stage.fingerprint.as_str()).collect();

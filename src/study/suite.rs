@@ -1,4 +1,4 @@
-//! From a suite's file to its plan: every arm checked and lowered, what arms share held once.
+//! From a suite's file to its plan: every arm is checked and lowered; what arms share is stored once.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use crate::robot::Robot;
 use crate::spec::suite::{ClaimPolicy, Suite};
 use crate::spec::{Claim, LoadOptions, Section, Table, Value};
 
-/// Loads and checks a suite; `Err` when it has errors.
+/// Loads and checks a suite; `Err` if it has errors.
 pub fn checked(path: &Path, options: &LoadOptions, log: &mut Log) -> Result<CheckedSuite, Refusal> {
     let checked = check::suite(path, options);
     log.add(Findings::of(checked.sources.clone(), checked.sink.diagnostics.clone()).in_file(path))?;
@@ -41,7 +41,7 @@ pub fn read(path: &Path, options: &LoadOptions, log: &mut Log) -> Result<Study, 
     let reported =
         Reported { name: &suite.name, suite: Some(reported), baselines: checked.baselines.clone() };
     let planned = plan::lowered(&arms, reported, project, located, log)?;
-    // Of a quick look such a claim stays open.
+    // With a reduced variant such claims just stay open.
     let mut same =
         if options.varies() { Vec::new() } else { same_results::claims(&planned.plan, &checked.claims) };
     if let [first, ..] = suite.profiles.as_slice() {
@@ -53,7 +53,7 @@ pub fn read(path: &Path, options: &LoadOptions, log: &mut Log) -> Result<Study, 
     Ok(Study { profiles: suite.profiles.clone(), ..planned })
 }
 
-/// E0806 and E0816: the claims of a sound suite that compare a result with itself, by the keys of its stages.
+/// E0806 and E0816: the claims of a valid suite that compare a result with itself, by stage fingerprints.
 pub fn same_results(checked: &CheckedSuite) -> Vec<Diagnostic> {
     let Some((suite, arms)) = checked.sound().filter(|_| !checked.claims.is_empty()) else {
         return Vec::new();
@@ -62,7 +62,7 @@ pub fn same_results(checked: &CheckedSuite) -> Vec<Diagnostic> {
     plan.map_or_else(|_| Vec::new(), |plan| same_results::claims(&plan, &checked.claims))
 }
 
-/// Axes and seeds, as the plan and the report know them.
+/// Axes and seeds, for the plan and the report.
 pub fn record(checked: &CheckedSuite, suite: &Suite) -> SuiteRecord {
     let axis = |axis: &crate::spec::suite::Axis| AxisRecord {
         name: axis.name.clone(),
@@ -79,7 +79,7 @@ pub fn record(checked: &CheckedSuite, suite: &Suite) -> SuiteRecord {
     }
 }
 
-/// What the report reads of the suite.
+/// The fields of the suite that the report needs.
 fn fields(suite: &Suite, claims: &[Claim]) -> Table {
     let text = |text: &String| Value::Text(text.clone());
     let own = [("name", text(&suite.name)), ("summary", text(&suite.summary))];
@@ -99,7 +99,7 @@ fn seed_origin(suite: &Suite, checked: &CheckedSuite) -> Option<String> {
     Some(format!("sweep.seeds, {}:{}", checked.sources.get(place.source).name.display(), start.line))
 }
 
-/// The arms of a suite as the plan takes them; robots and motions that several arms have are made once.
+/// Converts the arms of a suite for the plan; robots and motions shared by arms are converted once.
 pub fn lowered(suite: &Suite, arms: &[CheckedArm], checked: &CheckedSuite) -> Vec<Arm> {
     let mut lowering =
         Lowering { suite, sources: &checked.sources, seeds: seed_origin(suite, checked), robots: Vec::new() };
@@ -134,7 +134,7 @@ impl Lowering<'_> {
     }
 }
 
-/// What was made of a value before, or now.
+/// Converts a value, or returns the earlier conversion of it.
 fn known<T, U: Clone>(
     made: &mut Vec<(Arc<T>, Shared<U>)>,
     value: &Arc<T>,

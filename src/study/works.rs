@@ -1,4 +1,4 @@
-//! All works of a run: those of `exec`, and the report's, which stands above them.
+//! All works of a run: those of `exec`, and the report's, which depends on them.
 
 use super::Study;
 use crate::control::words::law;

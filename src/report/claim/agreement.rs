@@ -87,7 +87,7 @@ struct Compared<'a> {
     stage: &'a str,
     /// The points of the twin arm; empty when the run is its own baseline.
     twin: &'a str,
-    /// Whether the value is divided by the baseline; otherwise the baseline is subtracted.
+    /// Whether the value is divided by it, instead of subtracting it.
     is_relative: bool,
 }
 
@@ -146,7 +146,7 @@ fn of_case(record: &Sidecar, claim: &Judged, case: &Case, compared: Option<&Comp
     })
 }
 
-/// The absolute tolerance allows for differences of nearly equal numbers, which lose digits.
+/// Differences of nearly equal numbers lose digits, hence the absolute tolerance.
 fn is_close_in_sum((one, other): (f64, f64)) -> bool {
     (one - other).abs() <= TOLERANCE * one.abs().max(other.abs()).max(1.0)
 }

@@ -71,7 +71,7 @@ pub struct Successes {
     pub told: String,
 }
 
-/// The chance of a PASS when every policy has the same share of successes.
+/// The chance of a PASS, given the share of successes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PowerAtShare {
     /// The share of successes of every policy.

@@ -40,7 +40,7 @@ pub fn settled_by(claim: &Judged, claims: usize) -> Option<String> {
     let is_open = |case: &&Case| case.verdict == Ruling::NotEstablished;
     let mut open: Vec<&Case> = claim.cases.iter().filter(is_open).collect();
     if open.is_empty() {
-        // All comparisons are decided, and only the correction leaves the claim open.
+        // Only the correction leaves the claim open.
         open.extend(&claim.cases);
     }
     let needed: Vec<Needed> = open.into_iter().map(|case| needed(claim, case, level)).collect();

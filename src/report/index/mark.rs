@@ -18,7 +18,7 @@ pub fn marked(page: &str, records: &BTreeMap<String, String>) -> String {
     format!("{page}\n{}\n", line(page, records))
 }
 
-/// What is wrong with an index; `None` if it is unchanged or the page is not an index by specforge.
+/// What is wrong with an index; `None` if it is unchanged, and for pages not written by specforge.
 pub fn flaw(text: &str, records: &BTreeMap<String, String>) -> Option<&'static str> {
     let Some((page, _)) = text.split_once(&format!("\n{BEGIN}")) else {
         let is_ours = SENTENCES.iter().any(|sentence| text.contains(sentence));

@@ -7,8 +7,7 @@ use crate::bounded;
 use crate::report::index::FILE;
 
 impl Place<'_> {
-    /// Compares the index of this folder with its own digest and with all records in the folder and its
-    /// subfolders.
+    /// Compares the index of this folder with its own digest and with the records in and below it.
     pub(super) fn index(&self, found: &mut Found) {
         let path = self.below.join(FILE);
         let Ok(text) = bounded::text(&path, bounded::RECORD) else { return };

@@ -127,8 +127,7 @@ impl Place<'_> {
         Fault { report: self.seen(page), file: self.seen(file), reason: reason.into(), fix }
     }
 
-    /// Handles a JSON file that is not a report's record: that of a run, or something else in a folder
-    /// without pages.
+    /// Handles a JSON file that is not a report's record: a run's, or another in a folder without pages.
     fn other(&self, path: &Path, error: &RecordError, has_pages: bool, found: &mut Found) {
         match records::verify(path, self.unsealed) {
             Some(Ok(())) => found.runs += 1,

@@ -1,5 +1,4 @@
-//! Finds files that no record accounts for: pages and figures without a record, unlisted figures, and copies
-//! of reports.
+//! Finds files without a record: pages, figures, figures that no record lists, and copies of reports.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! What the points of a sweep change: the spec values in which an arm differs from the first.
+//! What the points of a sweep change: the spec values in which an arm differs from the first one.
 
 use super::{Group, varying};
 use crate::escape::markdown::code;
@@ -7,11 +7,11 @@ use crate::report::model::{Arm, ReportInput};
 use crate::report::table::setup::field;
 use crate::report::table::{Cell, Table};
 
-/// How many values of an arm are named.
+/// Most values listed per arm.
 const NAMED: usize = 8;
 
-/// A row per arm of a sweep over one axis, the first arm aside; over several axes the arms differ in too much
-/// to be told so.
+/// One row per arm, except the first, of a sweep over one axis; over several axes the arms differ too much
+/// for such a list.
 pub fn table(input: &ReportInput, groups: &[Group<'_>]) -> Table {
     let mut table = Table::new(
         "changes",
@@ -31,7 +31,7 @@ pub fn table(input: &ReportInput, groups: &[Group<'_>]) -> Table {
     table
 }
 
-/// `` `learn.warm_up` 0 (6) ``: the arm's values, in brackets the first arm's. Of a table that is of another
+/// `` `learn.warm_up` 0 (6) ``: the arm's values, with the first arm's in brackets. For a table of another
 /// kind, or that only one of them has, the kinds.
 fn changes(first: &Arm, arm: &Arm) -> String {
     let mut paths: Vec<String> = Vec::new();

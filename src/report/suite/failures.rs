@@ -1,4 +1,4 @@
-//! Evaluations over parameter sets: who survives them, why sets fail, and the arms against each other on the
+//! Evaluations over parameter sets: how many each arm survives, why sets fail, and comparisons of arms on the
 //! sets that they share.
 
 use std::collections::BTreeMap;
@@ -21,7 +21,7 @@ use crate::statistics::proportion::mcnemar_exact;
 use crate::statistics::summary::{deviation, mean};
 use crate::stream::Stream;
 
-/// More arms than this are compared with the first one only.
+/// With more arms than this, all are compared with the first one only.
 const ALL_PAIRS: usize = 4;
 
 /// The stages of evaluations over parameter sets, in the order of the runs.
@@ -49,7 +49,7 @@ fn evaluations<'a>(group: &Group<'a>, stage: &str) -> Vec<(&'a Arm, &'a Evaluati
     group.runs.iter().filter_map(of_run).collect()
 }
 
-/// A set with its distances from the nominal one.
+/// A set with its deviations from the nominal one.
 struct Tried {
     row: Vec<f64>,
     failures: f64,
@@ -74,7 +74,7 @@ pub fn sets(group: &Group<'_>, stage: &str) -> Sets {
             half.unwrap_or_else(|| scales(name).iter().map(|scale| (scale - 1.0).abs()).fold(0.0, f64::max))
         })
         .collect();
-    // A set is known by its stream and its scales: policies that share the sets are counted on one row.
+    // Random stream and scales identify a set: policies that share sets are counted in one row.
     let mut rows: BTreeMap<(&str, Vec<u64>), Tried> = BTreeMap::new();
     for episode in episodes().filter(|episode| names.iter().all(|name| episode.parameters.contains_key(name)))
     {
@@ -94,8 +94,8 @@ pub fn sets(group: &Group<'_>, stage: &str) -> Sets {
     found
 }
 
-/// The direction of failure of one policy in a stage over parameter sets, an entry for each parameter; `None`
-/// with too few failures or survivals.
+/// The direction of failure of a policy in a stage over parameter sets, one entry per parameter; `None` with
+/// too few failures or survivals.
 pub fn direction(run: &Arm, stage: &str) -> Option<Vec<(String, f64)>> {
     let sets = sets(&Group { name: &run.name, points: &[], runs: vec![run] }, stage);
     let [failed, tried] = sets.counts();
@@ -106,7 +106,7 @@ pub fn direction(run: &Arm, stage: &str) -> Option<Vec<(String, f64)>> {
     Some(sets.names.into_iter().zip(found.direction).collect())
 }
 
-/// Half the range of the scales that the spec asks for.
+/// Half the range of the scales in the spec.
 fn half_range(run: &Arm, stage: &str) -> Option<f64> {
     let (_, name) = stage.split_once('.').filter(|(section, _)| *section == Protocols::SECTION)?;
     let protocol = run.section().within::<Protocols>()?.section(name)?;
@@ -127,11 +127,11 @@ pub fn analysis(group: &Group<'_>, stage: &str) -> Option<(Sets, Analysis)> {
     Some((sets, analysis))
 }
 
-/// Tables and sentences of every stage over parameter sets.
+/// Tables and sentences for every stage over parameter sets.
 pub fn told(groups: &[Group<'_>]) -> (Vec<Table>, Vec<String>) {
     let (mut tables, mut sentences) = (Vec::new(), Vec::new());
     for stage in stages(groups) {
-        // The resampling takes a while: tables and sentences share it.
+        // Resampling is slow, so tables and sentences share it.
         let found: Vec<Found> = groups.iter().map(|group| analysis(group, &stage)).collect();
         tables.extend([survivors(groups, &stage), pairs(groups, &stage), causes(groups, &stage, &found)]);
         let tried = groups.iter().zip(&found).filter(|(group, _)| !evaluations(group, &stage).is_empty());
@@ -149,7 +149,7 @@ fn sources(runs: &[(&Arm, &Evaluation)], stage: &str) -> Vec<Source> {
     runs.iter().map(|(run, _)| Source { arm: run.name.clone(), stage: stage.to_owned() }).collect()
 }
 
-/// Who survives: a row per arm.
+/// Survival, one row per arm.
 fn survivors(groups: &[Group<'_>], stage: &str) -> Table {
     let heads = [
         "arm",
@@ -191,7 +191,7 @@ fn reward(episode: &Episode) -> f64 {
     episode.reward_per_second.values().sum()
 }
 
-/// The arms against each other, policy by policy of one seed, on the sets that they share.
+/// Comparisons of the arms on shared sets, between policies with the same seed.
 fn pairs(groups: &[Group<'_>], stage: &str) -> Table {
     let heads = [
         "arms",
@@ -245,7 +245,7 @@ fn pair(table: &mut Table, stage: &str, arms: [&Group<'_>; 2], runs: [(&Arm, &Ev
     table.row_from((&name, &label), cells, sources(&runs, stage));
 }
 
-/// Why sets fail: a row per arm and parameter.
+/// Why sets fail: one row per arm and parameter.
 fn causes(groups: &[Group<'_>], stage: &str, found: &[Found]) -> Table {
     let heads = [
         "arm and parameter",
@@ -278,7 +278,7 @@ fn estimate(ranged: &Ranged) -> Estimate {
     Estimate::exact(ranged.value, "", 2).within(ranged.interval)
 }
 
-/// What must be known of an arm's failures.
+/// Caveats on an arm's failures.
 fn sentence(group: &Group<'_>, stage: &str, found: &Found) -> String {
     let [failed, tried] = sets(group, stage).counts();
     let start = format!("{} in `{stage}`: {failed} of {tried} tries failed;", code(group.name));

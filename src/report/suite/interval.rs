@@ -1,15 +1,15 @@
-//! What the intervals over an arm's seeds are called: over few of them a percentile interval covers less than
-//! its confidence.
+//! The names of intervals over an arm's seeds: with few seeds a percentile interval covers less than its
+//! nominal confidence.
 
 use super::Group;
 use crate::statistics::mean::coverage;
 
-/// The runs of the arm that has fewest.
+/// Number of runs of the smallest arm.
 pub fn fewest(groups: &[Group<'_>]) -> usize {
     groups.iter().map(|group| group.runs.len()).min().unwrap_or(0)
 }
 
-/// `95 % bootstrap intervals over seeds`, or what they come to where arms have so few.
+/// `95 % bootstrap intervals over seeds`, or their actual coverage for arms with few seeds.
 pub fn over_seeds(groups: &[Group<'_>]) -> String {
     match of_few(fewest(groups)) {
         Some(words) => format!("bootstrap intervals over seeds, {words}"),
@@ -17,7 +17,7 @@ pub fn over_seeds(groups: &[Group<'_>]) -> String {
     }
 }
 
-/// What an interval over so few seeds is; `None` where it is what its confidence says, or there is none.
+/// The actual coverage with so few seeds; `None` if it is nominal or if intervals are missing.
 pub fn of_few(count: usize) -> Option<String> {
     let [mean, difference] = coverage(count)?;
     let what =

@@ -1,4 +1,4 @@
-//! The report of a suite: its runs gathered into arms, and what is said of an arm over its seeds.
+//! The report of a suite: groups its runs into arms and summarises each over its seeds.
 
 pub mod changes;
 pub mod failures;
@@ -11,7 +11,7 @@ pub mod warning;
 use super::claim::{Judged, Observed, judge};
 use super::model::{Arm, ReportInput};
 
-/// An arm of a suite with its runs, in the order of the seeds.
+/// An arm of a suite with its runs, in seed order.
 #[derive(Clone, Debug)]
 pub struct Group<'a> {
     /// The arm: `control=torque,stiffness=100 %`.
@@ -23,7 +23,7 @@ pub struct Group<'a> {
 }
 
 impl Group<'_> {
-    /// A value of every run that has it.
+    /// A value for every run that has it.
     pub fn values(&self, of: impl Fn(&Arm) -> Option<f64>) -> Vec<f64> {
         self.runs.iter().filter_map(|run| of(run)).collect()
     }
@@ -33,7 +33,7 @@ impl Group<'_> {
         self.points.iter().find(|(name, _)| name == axis).map(|(_, point)| point.as_str())
     }
 
-    /// Its name without the points on these axes, where anything is left.
+    /// Its name without the points on these axes, unless that leaves nothing.
     pub fn name_without(&self, axes: &[&str]) -> String {
         let rest = self.points.iter().filter(|(axis, _)| !axes.contains(&axis.as_str()));
         let rest: Vec<String> = rest.map(|(axis, point)| format!("{axis}={point}")).collect();
@@ -41,12 +41,12 @@ impl Group<'_> {
     }
 }
 
-/// The arms of a suite in the order of the sweep; none when the report is of no suite.
+/// The arms of a suite in sweep order; empty for other reports.
 pub fn groups(input: &ReportInput) -> Vec<Group<'_>> {
     let mut groups: Vec<Group<'_>> = Vec::new();
     for arm in &input.arms {
         let Some(run) = &arm.run else { continue };
-        // The runs of an arm follow each other.
+        // The runs of an arm are consecutive.
         match groups.last_mut().filter(|group| group.name == run.arm) {
             Some(group) => group.runs.push(arm),
             None => groups.push(Group { name: &run.arm, points: &run.points, runs: vec![arm] }),
@@ -55,7 +55,7 @@ pub fn groups(input: &ReportInput) -> Vec<Group<'_>> {
     groups
 }
 
-/// The claims of a suite and what became of them.
+/// The claims of a suite with their verdicts.
 pub fn judged(input: &ReportInput) -> Vec<Judged> {
     let Some(suite) = &input.suite else { return Vec::new() };
     let groups = groups(input);
@@ -70,7 +70,7 @@ fn by_seed<'a>(group: &Group<'a>) -> Vec<(u64, &'a Arm)> {
     group.runs.iter().filter_map(|arm| Some((arm.run.as_ref()?.seed, *arm))).collect()
 }
 
-/// The axes on which the arms differ, with the points that arms have, both in the order of the sweep.
+/// The axes on which the arms differ, with the points that occur, both in sweep order.
 pub fn varying<'a>(input: &'a ReportInput, groups: &[Group<'_>]) -> Vec<(&'a str, Vec<&'a str>)> {
     let axes = input.suite.iter().flat_map(|suite| &suite.axes);
     let used = axes.map(|axis| {

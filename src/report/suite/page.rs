@@ -1,4 +1,4 @@
-//! What a template sees of a suite beside the variables of every report.
+//! The variables of a suite's report, in addition to those of every report.
 
 use std::collections::BTreeSet;
 
@@ -12,7 +12,7 @@ use crate::report::table::{Table, endings, health};
 use crate::report::tasks;
 use crate::statistics::summary::mean;
 
-/// A suite in a template. Without a suite everything is empty.
+/// A suite in a template. Empty if the report is not on a suite.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SuitePage {
     /// The axes on which the arms differ.
@@ -21,31 +21,31 @@ pub struct SuitePage {
     pub arms: usize,
     /// Number of runs.
     pub runs: usize,
-    /// The learning seeds; empty when each arm has its spec's own.
+    /// The learning seeds; empty if each arm uses that of its spec.
     pub seeds: Vec<u64>,
     /// What all arms have in common.
     pub shared: Table,
-    /// In what the arms differ, a table per axis or of the arms.
+    /// Differences between the arms, in tables per axis or per arm.
     pub differing: Vec<Table>,
-    /// The spec values in which an arm differs from the first, of a sweep over one axis.
+    /// The spec values in which arms differ from the first, for a sweep over one axis.
     pub changes: Table,
-    /// Learning, a row per arm.
+    /// Training, one row per arm.
     pub learning: Table,
-    /// The same of the fine-tuning; without rows when no arm has one.
+    /// The same for the fine-tuning; no rows if no arm has one.
     pub fine_tuning: Table,
-    /// What the run-time checks of the trainings found, a row per arm and code.
+    /// Findings of the run-time checks during training, one row per arm and code.
     pub health: Table,
-    /// Why episodes ended in the last tenth of the training, a row per arm.
+    /// Why episodes ended in the last tenth of the training, one row per arm.
     pub endings: Table,
-    /// What the intervals over seeds are called.
+    /// The name of the intervals over seeds.
     pub intervals: String,
-    /// What was evaluated: a table per evaluation, a row per arm, means over its seeds.
+    /// Evaluations: one table each, one row per arm, means over its seeds.
     pub outcomes: Vec<Table>,
-    /// Interquartile means of the same, for arms of four seeds or more.
+    /// Interquartile means of the same, for arms with at least four seeds.
     pub interquartile: Vec<Table>,
-    /// Evaluations over parameter sets: who survives, the arms on the same sets, why sets fail.
+    /// Evaluations over parameter sets: survival, arms compared on the same sets, and why sets fail.
     pub failures: Vec<Table>,
-    /// What must be known of the failures.
+    /// Caveats on the failures.
     pub failure_sentences: Vec<String>,
 }
 
@@ -91,7 +91,7 @@ impl SuitePage {
         }
     }
 
-    /// Every table in the order of the report.
+    /// All tables in the order of the report.
     pub fn tables(&self) -> Vec<&Table> {
         let Self { shared, differing, changes, learning, fine_tuning, health, endings, .. } = self;
         let Self { outcomes, interquartile, failures, .. } = self;
@@ -105,8 +105,8 @@ impl SuitePage {
     }
 }
 
-/// The result in short: how many runs there are, and the arms that survive best and worst, in the first
-/// evaluation and in those whose survival is claimed something of.
+/// The result in short: the number of runs, and the arms with best and worst survival, in the first
+/// evaluation and in those whose survival is the subject of a claim.
 pub fn paragraphs(input: &ReportInput) -> Vec<String> {
     let groups = groups(input);
     let whole = input.arms.iter().filter(|arm| arm.failures.is_empty()).count();
@@ -115,7 +115,7 @@ pub fn paragraphs(input: &ReportInput) -> Vec<String> {
         input.arms.len(),
         groups.len()
     )];
-    // Before everything that compares arms: what is compared may be failures.
+    // This precedes all comparisons of arms, as those may compare failures.
     if let Some(told) = tasks::paragraph(&tasks::records(input)) {
         paragraphs.insert(0, told);
     }
@@ -137,7 +137,7 @@ pub fn paragraphs(input: &ReportInput) -> Vec<String> {
     paragraphs
 }
 
-/// The arms that survive worst and best in an evaluation.
+/// The arms with worst and best survival in an evaluation.
 fn survivors(groups: &[Group<'_>], stage: &str) -> Option<String> {
     let means = groups.iter().map(|group| (mean(&table::values(group, stage, "survival")), group.name));
     let mut ranked: Vec<(f64, &str)> = means.filter_map(|(mean, name)| Some((mean?, name))).collect();
@@ -157,7 +157,7 @@ mod tests {
     use crate::outcome::{Episode, Evaluation};
     use crate::report::model::{Arm, Measured};
 
-    /// A run that survives so many of its four episodes in each of its evaluations.
+    /// A run that survives the given number of its four episodes in each evaluation.
     fn run(survived: &[(&str, usize)]) -> Arm {
         let measured = |(stage, count): &(&str, usize)| {
             let episode = |at| Episode { survived: at < *count, ..Episode::default() };

@@ -1,4 +1,4 @@
-//! The tables of a suite: a row per arm, each number over the arm's seeds.
+//! The tables of a suite: one row per arm, each number summarising the arm's seeds.
 
 use super::{Group, tried};
 use crate::escape::markdown::code;
@@ -16,7 +16,7 @@ use crate::report::wording::count;
 use crate::spec::suite::Wanted;
 use crate::statistics::summary::interquartile_mean;
 
-/// The metrics that a suite is looked at by, of those that suit its tasks.
+/// The metrics shown for a suite, if they suit its tasks.
 const SHOWN: &[&str] = &[
     "survival",
     "single_support",
@@ -30,10 +30,10 @@ const SHOWN: &[&str] = &[
     "self_collision",
 ];
 
-/// The figures that a metric is shown beside.
+/// Metrics that are shown only if the suite has this figure.
 const BESIDE: &[(&str, &str)] = &[("peak_ankle_torque", "ankle_torque")];
 
-/// Whether a suite with these figures is looked at by a metric.
+/// Whether a metric is shown for a suite with these figures.
 fn is_shown(metric: &Metric, figures: &[String]) -> bool {
     let named = |figure: &str| figures.iter().any(|name| Wanted::parse(name).name == figure);
     SHOWN.contains(&metric.name) || BESIDE.iter().any(|(name, figure)| *name == metric.name && named(figure))
@@ -54,15 +54,15 @@ pub fn shared(groups: &[Group<'_>]) -> Table {
     table
 }
 
-/// In what the arms differ. Of a sweep over several axes a table per axis that alone decides on some of the
-/// lines, a row per point, and a table of the arms for what no single axis decides.
+/// Differences between the arms. A sweep over several axes has one table per axis for the settings that this
+/// axis alone determines, with one row per point, and a table of arms for all others.
 pub fn differing(groups: &[Group<'_>], axes: &[&str]) -> Vec<Table> {
     let mut lines = lines(groups);
     lines.retain(|(_, cells)| cells.windows(2).any(|pair| pair[0] != pair[1]));
     let mut tables = Vec::new();
     for axis in if axes.len() > 1 { axes } else { &[] } {
         let points: Vec<&str> = groups.iter().filter_map(|group| group.point(axis)).collect();
-        // The first arm of each point.
+        // The index of the first arm at each point.
         let firsts: Vec<usize> =
             points.iter().map(|point| points.iter().position(|one| one == point).unwrap_or(0)).collect();
         let decided = |cells: &[Option<String>]| {
@@ -80,10 +80,10 @@ pub fn differing(groups: &[Group<'_>], axes: &[&str]) -> Vec<Table> {
     tables
 }
 
-/// A line of the setup with its value in every arm.
+/// A setting with its value in every arm.
 type Cells = (&'static str, Vec<Option<String>>);
 
-/// A column per line, a row per arm that is named with its place; nothing without lines.
+/// One column per setting, and one row for each arm in `rows`; `None` without settings.
 fn arms(id: &str, head: &str, lines: &[Cells], rows: &[(usize, &str)]) -> Option<Table> {
     let heads = [head.to_owned()].into_iter().chain(lines.iter().map(|(label, _)| (*label).to_owned()));
     let mut table = Table::new(id, "The arms", heads);
@@ -95,7 +95,7 @@ fn arms(id: &str, head: &str, lines: &[Cells], rows: &[(usize, &str)]) -> Option
     (!lines.is_empty()).then_some(table)
 }
 
-/// The lines of the setup, each with its value in the first run of every arm.
+/// The settings, each with its value in the first run of every arm.
 fn lines(groups: &[Group<'_>]) -> Vec<Cells> {
     let firsts: Vec<&Arm> = groups.iter().filter_map(|group| group.runs.first().copied()).collect();
     let lines = setup::LINES.iter().filter(|(label, _)| *label != "seed");
@@ -103,7 +103,7 @@ fn lines(groups: &[Group<'_>]) -> Vec<Cells> {
     lines.filter(|(_, cells)| cells.iter().any(Option::is_some)).collect()
 }
 
-/// A training, a row per arm that learned in it.
+/// One row per arm that learned in this training.
 pub fn learning(groups: &[Group<'_>], training: Training) -> Table {
     let returns = Returns::of(groups.iter().flat_map(|group| group.runs.iter().copied()));
     let (unit, digits) = returns.format();
@@ -146,7 +146,7 @@ pub fn learning(groups: &[Group<'_>], training: Training) -> Table {
     table
 }
 
-/// The stages that any run was evaluated in, in the order of the runs.
+/// The stages in which any run was evaluated, in run order.
 pub fn stages(groups: &[Group<'_>]) -> Vec<String> {
     let mut stages: Vec<String> = Vec::new();
     for measured in groups.iter().flat_map(|group| &group.runs).flat_map(|run| &run.evaluations) {
@@ -157,7 +157,7 @@ pub fn stages(groups: &[Group<'_>]) -> Vec<String> {
     stages
 }
 
-/// The mean of a metric over the episodes of each run that was evaluated.
+/// The mean of a metric over the episodes of each evaluated run.
 pub fn values(group: &Group<'_>, stage: &str, metric: &str) -> Vec<f64> {
     group.values(|run| average(&measured(run, stage)?.evaluation, metric))
 }
@@ -168,7 +168,7 @@ fn measured<'a>(run: &'a Arm, stage: &str) -> Option<&'a Measured> {
         .find(|measured| measured.stage == stage && !measured.evaluation.episodes.is_empty())
 }
 
-/// What was evaluated, a table per evaluation: means over seeds of each run's mean over its episodes.
+/// One table per evaluation: means over seeds of each run's mean over its episodes.
 pub fn outcomes(groups: &[Group<'_>], figures: &[String]) -> Vec<Table> {
     let cell = |group: &Group<'_>, stage: &str, metric: &Metric| {
         Estimate::mean(&values(group, stage, metric.name), metric.unit, metric.digits, metric.name)
@@ -176,7 +176,7 @@ pub fn outcomes(groups: &[Group<'_>], figures: &[String]) -> Vec<Table> {
     per_stage((groups, figures), "", cell)
 }
 
-/// Interquartile means of the same, when arms have four seeds or more: with fewer they are the means.
+/// Interquartile means of the same for arms with at least four seeds; with fewer they equal the means.
 pub fn interquartile(groups: &[Group<'_>], figures: &[String]) -> Vec<Table> {
     if groups.iter().all(|group| group.runs.len() < 4) {
         return Vec::new();
@@ -234,12 +234,12 @@ fn per_stage(
     stages(groups).iter().map(table).collect()
 }
 
-/// Whether an arm's specs have a stage, be it run or not.
+/// Whether an arm's specs define a stage, even if it was not run.
 fn asks_for(group: &Group<'_>, stage: &str) -> bool {
     group.runs.iter().any(|run| setup::has(run, stage) || measured(run, stage).is_some())
 }
 
-/// Under which circumstances an evaluation ran: once where all arms agree, else with the arms.
+/// The conditions of an evaluation: once if all arms agree, else per arm.
 fn note(groups: &[Group<'_>], stage: &str) -> String {
     let mut told: Vec<(String, Vec<&str>)> = Vec::new();
     for group in groups {

@@ -1,12 +1,11 @@
-//! How many settings of each action space a suite tries: the best of many tries is better by luck alone.
+//! Counts the settings a suite tries per action space: the best of many tries is better by chance alone.
 
 use super::Group;
 use crate::kinds::action::Action;
 use crate::spec::Value;
 use crate::spec::typed::InSection;
 
-/// The number of different `[action]` tables of each kind, in the order of the arms; nothing where all are of
-/// one kind.
+/// The number of different `[action]` tables of each kind, in arm order; empty if there is only one kind.
 pub fn counts<'a>(groups: &[Group<'a>]) -> Vec<(&'a str, usize)> {
     let mut found: Vec<(&str, Vec<serde_json::Value>)> = Vec::new();
     for arm in groups.iter().filter_map(|group| group.runs.first()) {
@@ -29,7 +28,7 @@ pub fn words(counts: &[(&str, usize)]) -> String {
     counts.iter().map(|(kind, count)| format!("{count} of {kind}")).collect::<Vec<_>>().join(", ")
 }
 
-/// What to say where one action space had more tries than another.
+/// The warning, if action spaces had different numbers of tries.
 pub fn warning(groups: &[Group<'_>]) -> Option<String> {
     let counts = counts(groups);
     let unequal = counts.windows(2).any(|pair| pair[0].1 != pair[1].1);

@@ -1,4 +1,4 @@
-//! What a reader of a suite's report must know before believing it.
+//! Warnings in a suite's report.
 
 use std::collections::BTreeMap;
 
@@ -10,10 +10,10 @@ use crate::report::verdict::stands_still;
 use crate::report::wording::{count, number};
 use crate::report::{crossing, tasks};
 
-/// As many single runs are named.
+/// Most runs that are listed by name.
 const NAMED: usize = 8;
 
-/// The warnings, the gravest first.
+/// The warnings, most serious first.
 pub fn warnings(input: &ReportInput) -> Vec<String> {
     let groups = groups(input);
     let mut warnings = failures(input);
@@ -27,14 +27,14 @@ pub fn warnings(input: &ReportInput) -> Vec<String> {
     warnings
 }
 
-/// Runs without all their results, the first of them by name.
+/// Runs with missing results, the first of them by name.
 fn failures(input: &ReportInput) -> Vec<String> {
     let failed: Vec<String> = input
         .arms
         .iter()
         .filter_map(|arm| {
             let failure = arm.failures.first()?;
-            // The scheduler names a stage of a single run with its run.
+            // The scheduler prefixes the stages of single runs with the run's name.
             let stage = failure.stage.strip_prefix(&format!("{}/", arm.name)).unwrap_or(&failure.stage);
             Some(format!("{}: stage `{stage}` has no result: {}.", arm.name, failure.reason))
         })
@@ -44,7 +44,7 @@ fn failures(input: &ReportInput) -> Vec<String> {
     failed.into_iter().take(NAMED).chain(rest).collect()
 }
 
-/// Stages of an arm in whose episodes the physics left the realm of numbers.
+/// Stages of an arm in which the simulation diverged (NaN or infinity) in some episodes.
 fn explosions(group: &Group<'_>) -> Vec<String> {
     let mut counts: BTreeMap<&str, [usize; 2]> = BTreeMap::new();
     for measured in group.runs.iter().flat_map(|run| &run.evaluations) {

@@ -1,4 +1,4 @@
-//! Under which conditions an evaluation ran, in words: commands, parameter sets, ground, draws.
+//! The conditions of an evaluation in words: commands, parameter sets, ground, randomization.
 
 use super::setup::{drawn, other_ground};
 use crate::kinds::evaluate::{Setting, Spread};
@@ -11,8 +11,8 @@ use crate::report::model::{Arm, Measured};
 use crate::report::wording::{number, value};
 use crate::spec::{Section, Value};
 
-/// `25 speeds from 0.02 to 0.5 m/s, box obstacle`; `None` for a single command on the training's ground
-/// without draws.
+/// `25 speeds from 0.02 to 0.5 m/s, box obstacle`; `None` for a single command on the training ground without
+/// randomization.
 pub fn conditions(arm: &Arm, measured: &Measured) -> Option<String> {
     let table = table(arm, &measured.stage);
     let evaluation = &measured.evaluation;
@@ -23,7 +23,7 @@ pub fn conditions(arm: &Arm, measured: &Measured) -> Option<String> {
     (!parts.is_empty()).then(|| parts.join(", "))
 }
 
-/// Where an evaluation ran, how much of it there is, and under which conditions.
+/// The engine, size and conditions of an evaluation.
 pub fn circumstances(arm: &Arm, measured: &Measured) -> String {
     let evaluation = &measured.evaluation;
     let place = format!("in {} at {} Hz", evaluation.engine, number(evaluation.physics_rate));
@@ -37,7 +37,7 @@ pub fn circumstances(arm: &Arm, measured: &Measured) -> String {
         .join(", ")
 }
 
-/// The same of an evaluation that has nothing of the kind: its command.
+/// The command, for an evaluation without such conditions.
 pub fn command(evaluation: &Evaluation) -> String {
     evaluation.command.map_or_else(|| "\u{2013}".to_owned(), |speed| format!("{} m/s", number(speed)))
 }
@@ -62,7 +62,7 @@ fn sets(evaluation: &Evaluation) -> Option<String> {
     (parameters > 0).then(|| format!("{} sets of {parameters} parameter{plural}", evaluation.episodes.len()))
 }
 
-/// The sizes of grounds that are told.
+/// The dimensions of grounds that are printed.
 const SIZES: [&str; 4] =
     [BoxObstacle::height.name, HeightField::amplitude.name, HeightField::cell.name, Slope::angle.name];
 
@@ -74,19 +74,19 @@ fn ground(table: Section) -> Option<String> {
     Some(with_figures(ground.kind()?, &sizes.join(", ")))
 }
 
-/// How stiff the contacts are, where the evaluation has its own.
+/// The contact stiffness, if the evaluation sets its own.
 fn contact(table: Section) -> Option<String> {
     table.get(Setting::contact_time.name).map(|time| format!("contact time {}", value(time)))
 }
 
-/// A name with what it comes to in brackets.
+/// A name with its values in brackets.
 fn with_figures(name: &str, figures: &str) -> String {
     let name = name.replace('_', " ");
     if figures.is_empty() { name } else { format!("{name} ({figures})") }
 }
 
-/// Which of two policies it is about: without a ground of its own the fine-tuned one runs where it was
-/// fine-tuned. The last policy on the ground of all its training is the usual case.
+/// Which of two policies is evaluated. The fine-tuned one uses the ground of its fine-tuning unless the
+/// evaluation sets another. `None` for the last policy if all training used one ground.
 fn policy(arm: &Arm, table: Section) -> Option<String> {
     arm.section().within::<FineTuning>()?;
     match (table.value(Setting::policy), other_ground(arm)) {

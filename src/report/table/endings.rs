@@ -1,4 +1,4 @@
-//! Why training episodes ended, counted: over the whole training, in its first and in its last tenth.
+//! Counts why training episodes ended: over the whole training, in its first and in its last tenth.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use crate::report::wording::{count, labels};
 /// Episodes by cause.
 type Counts<'a> = BTreeMap<&'a str, u64>;
 
-/// The table of an experiment: a row per cause that occurred, of each arm.
+/// The table of an experiment: one row per arm and cause that occurred.
 pub fn endings(input: &ReportInput) -> Table {
     let heads = ["cause", "episodes", "share (%)", "first tenth (%)", "last tenth (%)"].map(String::from);
     let mut table = Table::new("ends", "Why training episodes ended", heads);
@@ -32,7 +32,7 @@ pub fn endings(input: &ReportInput) -> Table {
     table
 }
 
-/// The table of a suite: a row per arm, a column per cause, shares in the last tenth of its runs.
+/// The table of a suite: one row per arm, one column per cause, shares in the last tenth of its runs.
 pub fn of_groups(groups: &[Group<'_>]) -> Table {
     let late: Vec<Counts> = groups.iter().map(late).collect();
     let mut causes: Vec<&str> = late
@@ -61,7 +61,7 @@ fn counts(updates: &[Update]) -> Counts<'_> {
     counts
 }
 
-/// The last tenths of an arm's runs.
+/// The last tenths of an arm's runs, added up.
 fn late<'a>(group: &Group<'a>) -> Counts<'a> {
     let mut sum = Counts::new();
     for run in &group.runs {
@@ -88,7 +88,7 @@ fn sources<'a>(arms: impl Iterator<Item = &'a Arm>) -> Vec<Source> {
 mod tests {
     use super::*;
 
-    /// Twenty updates: falls in the first half, time-outs in the second, one explosion in all.
+    /// Twenty updates: falls in the first half, time-outs in the second, one divergence in total.
     fn arm() -> Arm {
         let update = |index: u64| Update {
             ends: BTreeMap::from([
@@ -125,7 +125,7 @@ mod tests {
         let group = Group { name: "std=5 %", points: &[], runs: vec![&one, &two, &fallen] };
         let table = of_groups(&[group]);
         assert_eq!(table.columns, ["arm", "episodes", "base height (%)", "time out (%)"]);
-        // Two runs with two updates of three time-outs, one with one update of nine falls.
+        // Two runs with two updates of three time-outs each, and one update of nine falls.
         assert_eq!(numbers(&table.rows[0].cells[1..]), [Some(9.0 / 21.0), Some(12.0 / 21.0)]);
         assert_eq!(table.rows[0].cells[0], Cell::from("21"));
     }

@@ -1,4 +1,4 @@
-//! The evaluations in numbers: metrics, criteria, differences of the arms, rewards by term.
+//! Tables of the evaluations: metrics, criteria, differences between arms, rewards by term.
 
 use std::collections::BTreeSet;
 
@@ -37,14 +37,13 @@ fn columns(input: &ReportInput) -> Vec<Column<'_>> {
     columns
 }
 
-/// `torque, rapier, n = 32`, with the stage where it must be told.
+/// `torque, rapier, n = 32`, with the stage if needed to tell columns apart.
 fn head(arm: &Arm, measured: &Measured, name: &str) -> String {
     let evaluation = &measured.evaluation;
     format!("{name}, {}{}, n = {}", evaluation.engine, stage(arm, measured), evaluation.episodes.len())
 }
 
-/// ` (evaluate.box)` where an arm has several evaluations in that engine; empty where the engine tells it
-/// from the others.
+/// ` (evaluate.box)` if an arm has several evaluations in that engine; empty if the engine identifies it.
 fn stage(arm: &Arm, measured: &Measured) -> String {
     let twins =
         arm.evaluations.iter().filter(|other| other.evaluation.engine == measured.evaluation.engine).count();
@@ -131,8 +130,8 @@ fn reward_mean(
     Estimate::mean(&values, "", 1, &format!("reward/{term}")).into()
 }
 
-/// The criteria of the task and whether each arm meets them in each engine. Evaluations under conditions that
-/// the task does not ask for are left out where there are others.
+/// The criteria of the task and whether each arm meets them in each engine. Evaluations under other
+/// conditions than the task's are omitted if there are others.
 pub fn criteria(input: &ReportInput) -> Table {
     let mut columns = columns(input);
     let asked = |column: &Column| conditions(column.arm, column.measured).is_none();
@@ -159,7 +158,7 @@ pub fn criteria(input: &ReportInput) -> Table {
     table
 }
 
-/// The first arm against each other arm in every engine that both were evaluated in: one table per pair.
+/// The first arm compared with each other arm, in every engine used for both: one table per pair.
 pub fn comparisons(input: &ReportInput) -> Vec<Table> {
     let names = labels(&input.arms);
     let Some(first) = input.arms.first() else { return Vec::new() };

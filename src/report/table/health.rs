@@ -1,4 +1,4 @@
-//! What the run-time checks of the training found, since when and how long.
+//! Findings of the run-time checks during training, with start and duration.
 
 use super::{Cell, Table};
 use crate::escape::markdown;
@@ -8,7 +8,7 @@ use crate::report::source::Source;
 use crate::report::suite::Group;
 use crate::report::wording::{count, labels};
 
-/// The table of the findings, a row each; empty when there is none.
+/// The table of findings, one row each; may be empty.
 pub fn health(input: &ReportInput) -> Table {
     let heads = ["warning", "what", "from (samples)", "to (samples)", "first thing to try"].map(String::from);
     let mut table =
@@ -25,7 +25,7 @@ pub fn health(input: &ReportInput) -> Table {
     table
 }
 
-/// The findings of a suite, a row per arm and code.
+/// The findings of a suite, one row per arm and code.
 pub fn of_groups(groups: &[Group<'_>]) -> Table {
     let heads =
         ["arm", "warning", "runs", "what, in the first of them", "from (samples)", "first thing to try"];
@@ -52,7 +52,7 @@ pub fn of_groups(groups: &[Group<'_>]) -> Table {
     table
 }
 
-/// What there is to say beside the table: that nothing was found, what is allowed, who was not checked.
+/// Remarks on the table: no findings, allowed findings, and arms that were not checked.
 pub fn sentences(input: &ReportInput) -> Vec<String> {
     let learned: Vec<(&Arm, String)> =
         input.arms.iter().zip(labels(&input.arms)).filter(|(arm, _)| !arm.updates.is_empty()).collect();

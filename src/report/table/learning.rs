@@ -1,4 +1,4 @@
-//! How learning went and what it cost, in numbers.
+//! Training results and costs as tables.
 
 use super::{Cell, Table};
 use crate::plan::Training;
@@ -9,7 +9,7 @@ use crate::report::source::Source;
 use crate::report::wording::{count, duration, labels};
 use crate::statistics::summary::mean;
 
-/// The table of learning, one column per arm.
+/// The training table, one column per arm.
 pub fn learning(input: &ReportInput) -> Table {
     let mut table = of_training(input, Training::First);
     let mut row = |name: &str, label: &str, of: &dyn Fn(&Arm) -> Cell| {
@@ -27,7 +27,7 @@ pub fn learning(input: &ReportInput) -> Table {
     table
 }
 
-/// The table of the fine-tuning, one column per arm; without rows when no arm has one.
+/// The fine-tuning table, one column per arm; no rows if no arm has one.
 pub fn fine_tuning(input: &ReportInput) -> Table {
     match input.arms.iter().all(|arm| arm.fine_tuning.is_empty()) {
         true => Table::default(),
@@ -35,7 +35,7 @@ pub fn fine_tuning(input: &ReportInput) -> Table {
     }
 }
 
-/// What a training came to.
+/// The results of a training.
 fn of_training(input: &ReportInput, training: Training) -> Table {
     let (id, title) = match training {
         Training::First => ("learning", "Learning"),
@@ -76,7 +76,7 @@ fn last(updates: &[Update], of: impl Fn(&Update) -> String) -> Cell {
     updates.last().map_or_else(|| "\u{2013}".into(), |update| Cell::Text(of(update)))
 }
 
-/// A figure of the pre-training.
+/// A number from the pre-training.
 fn pretraining(arm: &Arm, unit: &str, of: impl Fn(&Pretrain) -> f64) -> Cell {
     Estimate::maybe(arm.pretrain.as_ref().map(of), unit, 1).into()
 }
@@ -91,7 +91,7 @@ fn late(updates: &[Update], unit: &str, digits: usize, of: impl Fn(&Update) -> O
     Estimate::maybe(late_mean(updates, of), unit, digits).into()
 }
 
-/// The mean of a quantity over the last tenth of the updates, at least one.
+/// The mean of a quantity over the last tenth of the updates, but at least one update.
 fn late_mean(updates: &[Update], of: impl Fn(&Update) -> Option<f64>) -> Option<f64> {
     mean(&updates[last_tenth(updates)..].iter().filter_map(of).collect::<Vec<_>>())
 }
@@ -101,12 +101,12 @@ fn last_tenth(updates: &[Update]) -> usize {
     updates.len() - updates.len().div_ceil(10)
 }
 
-/// Episodes over which the end of a training is told. Who survives ends all its episodes at once, and a short
-/// training's last tenth may lie between two such moments, with one early fall in it.
+/// Fewest episodes that describe the end of a training. Surviving episodes all end at once, and the last
+/// tenth of a short training may lie between two such moments and contain a single early fall.
 const ENOUGH: u64 = 32;
 
-/// The mean of a quantity of episodes over those that ended in the last tenth of the updates, and where these
-/// are fewer than [`ENOUGH`], in as many updates before as it takes.
+/// The mean of a per-episode quantity over the episodes that ended in the last tenth of the updates; if they
+/// are fewer than [`ENOUGH`], earlier updates are added.
 pub fn late_episodes(updates: &[Update], of: impl Fn(&Update) -> Option<f64>) -> Option<f64> {
     let ended = |update: &Update| update.ends.values().sum::<u64>();
     let (mut sum, mut episodes) = (0.0, 0);
@@ -140,7 +140,7 @@ mod tests {
         updates[18] = update(48, 16.0);
         updates[19] = update(16, 12.0);
         assert_eq!(length(&updates), Some(15.0), "the last tenth, by episodes");
-        // All end at once, and in the last tenth only one that fell.
+        // Surviving episodes all end at once; in the last tenth only a fall ended one.
         updates[16..].fill(update(0, 0.0));
         updates[19] = update(1, 1.0);
         updates[15] = update(7, 1.0);

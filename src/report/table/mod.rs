@@ -1,4 +1,4 @@
-//! The tables of a report as data: templates decide how they look.
+//! The tables of a report as data; templates define their appearance.
 
 pub mod conditions;
 pub mod endings;
@@ -20,29 +20,29 @@ pub struct Table {
     pub id: String,
     /// Its title.
     pub title: String,
-    /// What holds for all of it: a sentence above it.
+    /// A sentence above it, about the whole table.
     #[serde(default)]
     pub note: String,
-    /// Heads of the columns, that of the row labels first.
+    /// Headings of the columns, starting with that of the row labels.
     pub columns: Vec<String>,
     /// The rows.
     pub rows: Vec<Row>,
-    /// The stages that it was made from.
+    /// The stages it is made from.
     pub sources: Vec<Source>,
-    /// For each column after the first the index of its source, where a column has exactly one.
+    /// The source index of each column after the first, if it has exactly one.
     pub column_sources: Vec<Option<usize>>,
 }
 
 /// A row.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// Its name in `specforge trace`; empty when its cells cannot be traced one by one.
+    /// Its name in `specforge trace`; empty if its cells cannot be traced individually.
     pub name: String,
     /// What it shows.
     pub label: String,
     /// The values.
     pub cells: Vec<Cell>,
-    /// The stages that the row was made from, where its columns have no source of their own.
+    /// The stages it is made from, if its columns have no source of their own.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sources: Vec<Source>,
 }
@@ -88,7 +88,7 @@ impl Table {
         self.rows.push(Row { name: name.to_string(), label: label.to_string(), cells, sources: Vec::new() });
     }
 
-    /// Adds a row, given its name and label, that was made from these stages.
+    /// Adds a row with the stages it is made from.
     pub fn row_from(
         &mut self,
         (name, label): (&str, &str),

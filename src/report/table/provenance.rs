@@ -1,4 +1,4 @@
-//! Where everything comes from and what it cost: the stages, and the figures and tables made from them.
+//! Provenance and cost: the stages, and the figures and tables made from them.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,7 +9,7 @@ use crate::report::model::{ReportInput, StageRecord};
 use crate::report::source::Source;
 use crate::report::wording::{labels, short};
 
-/// The stages of all arms: fingerprint, version, cost. A stage that arms share stands once.
+/// The stages of all arms: fingerprint, version, cost. A stage shared by arms is listed once.
 pub fn stages(input: &ReportInput) -> Table {
     let heads = ["stage", "arm", "fingerprint", "specforge", "commit", "ended"].map(String::from);
     let mut table = Table::new("stages", "Stages", heads);
@@ -31,7 +31,7 @@ pub fn stages(input: &ReportInput) -> Table {
     table
 }
 
-/// Wall and CPU time of the stages that did work, with the sum.
+/// Wall and CPU time of the stages that were run, with the sum.
 pub fn cost(input: &ReportInput) -> Table {
     let heads = ["stage", "arm", "wall (s)", "CPU (s)"].map(String::from);
     let mut table = Table::new("cost", "Cost", heads);
@@ -51,7 +51,7 @@ pub fn cost(input: &ReportInput) -> Table {
     table
 }
 
-/// Wall and CPU time of all stages by their name, with the sum: the cost of a suite.
+/// Wall and CPU time by stage name, with the sum: the cost of a suite.
 pub fn sum(input: &ReportInput) -> Table {
     let heads = ["stage", "stages", "wall (s)", "CPU (s)"].map(String::from);
     let mut table = Table::new("cost", "Cost", heads);
@@ -72,7 +72,7 @@ pub fn sum(input: &ReportInput) -> Table {
     table
 }
 
-/// Every figure and table with the stages that it was made from.
+/// Every figure and table with the stages it is made from.
 pub fn items(input: &ReportInput, figures: &[Figure], tables: &[&Table]) -> Table {
     let heads = ["figure or table", "stages", "spec fields"].map(String::from);
     let mut table = Table::new("provenance", "Figures and tables", heads);

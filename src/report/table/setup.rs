@@ -1,4 +1,4 @@
-//! What was run: robot, task, low-level law and budget of every arm; and what differs between the arms.
+//! The setup: robot, task, low-level control law and budget of every arm, and the differences between arms.
 
 use super::{Cell, Table};
 use crate::escape::markdown::code;
@@ -11,10 +11,10 @@ use crate::report::wording::{count, labels, number, value};
 use crate::robot::Support;
 use crate::spec::{Section, Table as Fields, Value};
 
-/// A row: its label and how an arm fills it.
+/// A row: its label, and its value for an arm.
 pub type Line = (&'static str, fn(&Arm) -> Option<String>);
 
-/// The lines of the table, in order.
+/// The rows of the table, in order.
 pub const LINES: &[Line] = &[
     ("robot", robot),
     ("default pose", stance),
@@ -34,7 +34,7 @@ pub const LINES: &[Line] = &[
     ("seed", |arm| field(arm, "learn.seed")),
 ];
 
-/// The table of what was run.
+/// The setup table.
 pub fn setup(input: &ReportInput) -> Table {
     let mut table =
         Table::new("setup", "What was run", [String::new()].into_iter().chain(labels(&input.arms)));
@@ -52,7 +52,7 @@ pub fn setup(input: &ReportInput) -> Table {
     table
 }
 
-/// The table of the spec values that are not the same in all arms.
+/// The table of spec values that differ between arms.
 pub fn differences(input: &ReportInput) -> Table {
     let mut table = Table::new(
         "differences",
@@ -138,7 +138,7 @@ pub fn randomized(arm: &Arm) -> Vec<(&str, Section<'_>)> {
     rows.map(|(name, row)| (row.kind().unwrap_or(name), row)).collect()
 }
 
-/// What a randomization draws and from where: `uniform [0.6, 1.4]`, `impulse 20 N*s, duration 0.1 s`.
+/// The target and distribution of a randomization: `uniform [0.6, 1.4]`, `impulse 20 N*s, duration 0.1 s`.
 pub fn drawn(row: &Section) -> String {
     let told = row.table().iter().filter(|(key, _)| !["kind", "per"].contains(&key.as_str()));
     let words =
@@ -146,7 +146,7 @@ pub fn drawn(row: &Section) -> String {
     words.collect::<Vec<_>>().join(", ")
 }
 
-/// What is drawn for every episode of the training, kinds of one range together; `none` where nothing is.
+/// The per-episode randomization of the training, grouped by range; `none` if nothing is randomized.
 fn randomization(arm: &Arm) -> Option<String> {
     if arm.kind::<Task>().is_empty() {
         return None;
@@ -175,7 +175,7 @@ pub fn learning_samples(arm: &Arm) -> Option<u64> {
     samples(arm, "learn.samples")
 }
 
-/// The number of samples of the spec's budget: of both trainings, where there is a fine-tuning.
+/// The total number of samples in the spec, including any fine-tuning.
 pub fn budget_samples(arm: &Arm) -> Option<u64> {
     budget_of(&arm.fields)
 }
@@ -215,14 +215,14 @@ fn budget(arm: &Arm) -> Option<String> {
     Some(format!("{} samples{hours}{schedule}{tuning}", count(all)))
 }
 
-/// The kind of ground of the fine-tuning, if it is another ground than that of the first training.
+/// The kind of ground of the fine-tuning, if it differs from that of the first training.
 pub fn other_ground(arm: &Arm) -> Option<String> {
     let ground = lookup(arm, "fine_tune.terrain").filter(|ground| Some(*ground) != lookup(arm, "terrain"))?;
     let Value::Table(ground) = ground else { return None };
     Some(Section::new(ground).kind()?.replace('_', " "))
 }
 
-/// `1 M samples on a height field`, and what else is not as in the first training.
+/// `1 M samples on a height field`, and other differences from the first training.
 fn fine_tuning(arm: &Arm) -> Option<String> {
     let samples = field(arm, "fine_tune.samples")?;
     let ground = other_ground(arm).map_or(String::new(), |ground| format!(" on {ground}"));
