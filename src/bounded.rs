@@ -1,26 +1,26 @@
-//! The bounded reader: the only way in which the program reads files. Knows nothing of what is in them.
+//! The bounded reader, through which the program reads all files. Does not interpret their content.
 //!
-//! A limit applies to the bytes that are read, not to the size that the file system reports: a device has no
-//! size, a file of `/proc` reports 0, and a file can grow while it is read. Only regular files are read,
-//! after symlinks. Anything else can block for ever (a named pipe), never end (`/dev/zero`) or act when it is
-//! opened (a tape).
+//! The limit applies to the bytes read, not to the reported size: a device has no size, files in `/proc`
+//! report 0, and a file can grow while it is read. After resolving symlinks, only regular files are read.
+//! Anything else may block indefinitely (a named pipe), never end (`/dev/zero`) or act on being opened (a
+//! tape).
 
 use std::fs::{File, FileType, Metadata};
 use std::io::{self, Read};
 use std::os::unix::fs::{FileTypeExt, OpenOptionsExt};
 use std::path::Path;
 
-/// Largest file in bytes that people write: specs, robots, motions, templates.
+/// Maximum size in bytes of a file that people write: specs, robots, motions, templates.
 pub const WRITTEN: u64 = 1 << 20;
-/// Largest record in bytes that the program writes: plans, manifests, reports' records, metrics.
+/// Maximum size in bytes of a record that the program writes: plans, manifests, reports' records, metrics.
 pub const RECORD: u64 = 256 << 20;
-/// Largest artefact in bytes, such as a checkpoint, which holds the actions of every running episode.
+/// Maximum size in bytes of an artefact, such as a checkpoint with the actions of all running episodes.
 pub const ARTEFACT: u64 = 4 << 30;
 
 /// Why a file was not read.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
-    /// The system refuses.
+    /// The system returned an error.
     #[error("{0}")]
     Io(#[from] io::Error),
     /// It is a folder.
@@ -33,7 +33,7 @@ pub enum ReadError {
     #[error("it has {}more than the {} allowed", size.map(|size| format!("{}, \
         ", more_than(size, *limit))).unwrap_or_default(), mebibytes(*limit))]
     TooLarge {
-        /// What the file system reports in bytes, if that is above the limit.
+        /// The reported size in bytes, if it is above the limit.
         size: Option<u64>,
         /// The limit in bytes.
         limit: u64,
@@ -41,20 +41,20 @@ pub enum ReadError {
     /// It is not UTF-8.
     #[error("it is not UTF-8 (byte {at})")]
     NotUtf8 {
-        /// The first byte that does not fit.
+        /// Offset of the first invalid byte.
         at: usize,
     },
 }
 
 impl ReadError {
-    /// Whether there is no such file.
+    /// Whether the file does not exist.
     pub fn is_absence(&self) -> bool {
         matches!(self, Self::Io(error) if error.kind() == io::ErrorKind::NotFound)
     }
 }
 
-/// For callers that report errors of the system. The kind of a file that is too large is not `FileTooLarge`,
-/// which means a full disk to those that write.
+/// For callers that report I/O errors. A file above the limit does not become `FileTooLarge`, which writers
+/// report as a full disk.
 impl From<ReadError> for io::Error {
     fn from(error: ReadError) -> Self {
         match error {
@@ -65,8 +65,7 @@ impl From<ReadError> for io::Error {
     }
 }
 
-/// A size for people: `1 MiB`, `2.5 MiB`.
-/// A size above a limit; in bytes where both are the same number of MiB.
+/// A size above a limit; in bytes if both would show as the same number of MiB.
 fn more_than(size: u64, limit: u64) -> String {
     let written = mebibytes(size);
     let is_same =
@@ -74,12 +73,13 @@ fn more_than(size: u64, limit: u64) -> String {
     if is_same { format!("{size} bytes") } else { written }
 }
 
+/// A size for people: `1 MiB`, `2.5 MiB`.
 fn mebibytes(bytes: u64) -> String {
     let size = bytes as f64 / f64::from(1 << 20);
     if size.fract() == 0.0 { format!("{size} MiB") } else { format!("{size:.1} MiB") }
 }
 
-/// What a file is that is neither a regular file nor a folder.
+/// The name of a file type other than regular file and folder.
 fn special(kind: FileType) -> &'static str {
     match kind {
         _ if kind.is_fifo() => "named pipe",
@@ -98,18 +98,18 @@ fn regular(metadata: &Metadata) -> Result<(), ReadError> {
     }
 }
 
-/// Opens a regular file. It is looked at before it is opened, because opening a device can act, and once more
-/// afterwards, because the path can lead elsewhere by then.
+/// Opens a regular file. Checks its type before opening, because opening a device can have effects, and again
+/// afterwards, because the path may point elsewhere by then.
 pub fn open(path: &Path) -> Result<File, ReadError> {
     regular(&std::fs::metadata(path)?)?;
-    // Not blocking: opening a named pipe would wait for a writer.
+    // Non-blocking: opening a named pipe would wait for a writer.
     let flags = rustix::fs::OFlags::NONBLOCK | rustix::fs::OFlags::NOCTTY | rustix::fs::OFlags::CLOEXEC;
     let file = File::options().read(true).custom_flags(flags.bits().cast_signed()).open(path)?;
     regular(&file.metadata()?)?;
     Ok(file)
 }
 
-/// The bytes of a file, if these are no more than `limit`.
+/// The bytes of a file, if there are at most `limit`.
 pub fn bytes(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
     let file = open(path)?;
     let size = file.metadata()?.len();
@@ -121,26 +121,26 @@ pub fn bytes(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
     Ok(bytes)
 }
 
-/// The first bytes of a file, `limit` of them at most.
+/// The first bytes of a file, at most `limit`.
 pub fn head(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
     let mut bytes = Vec::new();
     open(path)?.take(limit).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 
-/// The text of a file, if its bytes are no more than `limit`.
+/// The text of a file, if it has at most `limit` bytes.
 pub fn text(path: &Path, limit: u64) -> Result<String, ReadError> {
     utf8(bytes(path, limit)?)
 }
 
-/// The text of a stream, such as standard input, if its bytes are no more than `limit`.
+/// The text of a stream, such as standard input, if it has at most `limit` bytes.
 pub fn text_of(stream: impl Read, limit: u64) -> Result<String, ReadError> {
     let mut bytes = Vec::new();
     read_into(stream, &mut bytes, limit)?;
     utf8(bytes)
 }
 
-/// Reads one byte more than the limit at most, which tells that there is more.
+/// Reads at most one byte more than the limit, to detect longer files.
 fn read_into(stream: impl Read, bytes: &mut Vec<u8>, limit: u64) -> Result<(), ReadError> {
     stream.take(limit.saturating_add(1)).read_to_end(bytes)?;
     if bytes.len() as u64 > limit { Err(ReadError::TooLarge { size: None, limit }) } else { Ok(()) }
@@ -185,7 +185,7 @@ mod tests {
         std::fs::write(&path, "12345").unwrap();
         assert_eq!(bytes(&path, 5).unwrap(), b"12345");
         assert!(matches!(bytes(&path, 4), Err(ReadError::TooLarge { size: Some(5), limit: 4 })));
-        // Files of /proc report no size at all.
+        // Files in /proc report size 0.
         let maps = Path::new("/proc/self/maps");
         assert_eq!(std::fs::metadata(maps).unwrap().len(), 0);
         assert!(matches!(bytes(maps, 16), Err(ReadError::TooLarge { size: None, limit: 16 })));

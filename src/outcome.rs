@@ -1,4 +1,4 @@
-//! The result of an evaluation: what `evaluation.json` holds and reports read.
+//! The result of an evaluation, as stored in `evaluation.json` and read by reports.
 
 use std::collections::BTreeMap;
 
@@ -17,17 +17,17 @@ pub struct Evaluation {
     pub command: Option<f64>,
     /// Time limit of an episode in s.
     pub time_limit: f64,
-    /// Where along x the obstacle begins and ends, in m from the start; absent on ground without one.
+    /// Where along x the obstacle begins and ends, in m from the start; absent without an obstacle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub obstacle: Option<[f64; 2]>,
     /// One entry per episode.
     pub episodes: Vec<Episode>,
-    /// Signals of one episode for figures; empty where only the record of a run is left.
+    /// Signals of one episode, for figures; empty if only the record of the run is left.
     #[serde(default)]
     pub trace: Trace,
 }
 
-/// What was measured in one episode.
+/// The measurements of one episode.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Episode {
     /// Name of its random stream.
@@ -38,13 +38,13 @@ pub struct Episode {
     pub end: String,
     /// Its duration in s.
     pub duration: f64,
-    /// Share of the time on exactly one foot.
+    /// Share of the time in single support.
     pub single_support: f64,
-    /// Share of the time on the left foot alone.
+    /// Share of the time in single support on the left foot.
     pub left_support: f64,
-    /// Share of the time on the right foot alone.
+    /// Share of the time in single support on the right foot.
     pub right_support: f64,
-    /// Share of the time with no foot on the ground.
+    /// Share of the time in flight (no foot on the ground).
     pub flight: f64,
     /// Touch-downs of the left and the right foot (contacts shorter than 20 ms are not counted).
     pub steps: [u32; 2],
@@ -52,16 +52,15 @@ pub struct Episode {
     pub alternating_flights: u32,
     /// Share of the foot changes (a touch-down of the foot other than the last) that had such a flight.
     pub flight_per_step: f64,
-    /// The same over the second half of the time limit, after the start from rest (0 when it was not
-    /// reached).
+    /// The same over the second half of the time limit, after the start from rest (0 if not reached).
     #[serde(default)]
     pub steady_flight_per_step: f64,
-    /// Foot changes up to the last without such a flight: those out of standing, when running follows.
+    /// Foot changes up to the last one without such a flight: the start from standing, if running follows.
     #[serde(default)]
     pub starting_steps: u32,
     /// Mean forward speed in m/s over the episode.
     pub speed: f64,
-    /// Mean forward speed in m/s over the second half of the time limit (0 when it was not reached).
+    /// Mean forward speed in m/s over the second half of the time limit (0 if not reached).
     pub steady_speed: f64,
     /// Absolute difference of mean and commanded speed in m/s.
     pub speed_error: f64,
@@ -73,13 +72,13 @@ pub struct Episode {
     pub drift: Option<f64>,
     /// Reward per second by term.
     pub reward_per_second: BTreeMap<String, f64>,
-    /// Whether the base was beyond the far edge of the obstacle at any time; absent on ground without one.
+    /// Whether the base ever was beyond the far edge of the obstacle; absent without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub crossed: Option<bool>,
     /// Largest absolute torque in N m commanded to an ankle pitch joint; absent for legs without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub peak_ankle_torque: Option<f64>,
-    /// Share of the control steps at whose end a link was inside another; absent where nobody looked.
+    /// Share of control steps that end in self-collision; absent if not recorded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub self_collision: Option<f64>,
     /// Largest vertical force on a foot in N (8 ms mean).
@@ -88,12 +87,12 @@ pub struct Episode {
     pub torque_rms: f64,
     /// Largest distance of a joint from the reference motion in rad, and of the base height in m.
     pub tracking_error: [f64; 2],
-    /// What was scaled in this episode, by the name of its randomization: 0.7 is 70 % of the nominal value.
-    /// Empty where the protocol scales nothing.
+    /// Scale factors of this episode by name of the randomization: 0.7 is 70 % of the nominal value. Empty if
+    /// the protocol scales nothing.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub parameters: BTreeMap<String, f64>,
-    /// Commanded forward speed in m/s where the episodes of the evaluation differ in it; otherwise the
-    /// evaluation's.
+    /// Commanded forward speed in m/s if it differs between the episodes; otherwise absent, see the
+    /// evaluation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub command: Option<f64>,
 }
@@ -103,7 +102,7 @@ pub struct Episode {
 pub struct Trace {
     /// Time in s.
     pub time: Vec<f64>,
-    /// Phase.
+    /// Phase of the motion cycle.
     pub phase: Vec<f64>,
     /// Base position in m.
     pub base_position: Vec<[f64; 3]>,
@@ -115,11 +114,11 @@ pub struct Trace {
     pub torque: Vec<Vec<f64>>,
     /// Force on the left and the right foot in N, world frame.
     pub foot_force: Vec<[[f64; 3]; 2]>,
-    /// Scheduled contacts.
+    /// Scheduled contacts of the left and the right foot.
     pub schedule: Vec<[bool; 2]>,
     /// Names of the joints.
     pub joints: Vec<String>,
-    /// Position in m of the middle of the left and the right sole; empty when the robot's figures were drawn.
+    /// Position in m of the centre of the left and the right sole; empty if the episode was randomized.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub foot_position: Vec<[[f64; 3]; 2]>,
 }

@@ -1,10 +1,9 @@
-//! Files that are written whole or not at all, and paths that stay in their folder. Knows nothing of what is
-//! in them.
+//! Atomic file writes, and paths that stay in their folder. Does not interpret the content of files.
 //!
-//! A file is written beside its place, flushed to the disk and renamed: whoever reads it sees the old bytes
-//! or the new ones, also after a full disk, a kill or a power cut. Inside a store or a folder of reports no
-//! symbolic link is followed, because a link there could make a command read or overwrite a file somewhere
-//! else.
+//! A file is written under another name in the same folder, flushed to the disk and renamed: readers see
+//! either the old bytes or the new ones, even after a full disk, a kill or a power cut. Inside a store or a
+//! folder of reports, symbolic links are not followed, because they could make a command read or overwrite a
+//! file elsewhere.
 
 use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, ErrorKind, Write};
@@ -13,16 +12,16 @@ use std::path::{Component, Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-/// Mode of a new file before the user's mask.
+/// Mode of a new file before applying the umask.
 const NEW_FILE: u32 = 0o666;
 
-/// A path that is not followed.
+/// A path that is refused.
 #[derive(Debug, thiserror::Error)]
 pub enum Refused {
-    /// A symbolic link where none may be.
+    /// A symbolic link where none is allowed.
     #[error("`{}` is a symbolic link", crate::escape::file(.0))]
     Link(PathBuf),
-    /// A path that is absolute or has `..` in it.
+    /// A path that is absolute or contains `..`.
     #[error("`{0}` leads out of its folder")]
     Outside(String),
 }
@@ -33,19 +32,19 @@ impl From<Refused> for io::Error {
     }
 }
 
-/// The refusal behind an error, when it is one.
+/// The refusal that caused an error, if any.
 pub fn refused(error: &io::Error) -> Option<&Refused> {
     error.get_ref()?.downcast_ref()
 }
 
-/// Whether a relative path stays below its folder: names only, without `..`, a root or a zero byte.
+/// Whether a relative path stays below its folder: only names, no `..`, root or NUL byte.
 pub fn is_plain(path: &str) -> bool {
     let is_name = |part| matches!(part, Component::Normal(_));
     !path.is_empty() && !path.contains('\0') && Path::new(path).components().all(is_name)
 }
 
-/// A relative path below a folder, which may itself be a link. Nothing between the two may be one; what does
-/// not exist yet is no link.
+/// A relative path below a folder. The folder itself may be a symbolic link, but none of the path below it;
+/// parts that do not exist yet are allowed.
 pub fn inside(folder: &Path, path: &str) -> io::Result<PathBuf> {
     if !is_plain(path) {
         return Err(Refused::Outside(path.to_owned()).into());
@@ -68,19 +67,19 @@ pub fn refuse_link(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Options that open no symbolic link.
+/// Options that do not follow symbolic links.
 pub fn no_follow() -> OpenOptions {
     let mut options = OpenOptions::new();
     options.custom_flags(rustix::fs::OFlags::NOFOLLOW.bits().cast_signed());
     options
 }
 
-/// Writes a file that the user named, in place of an older one, whose permissions it keeps. A link stays a
-/// link; what is no file (a pipe, `/dev/stdout`) is written to.
+/// Writes a file named by the user, replacing an existing one and keeping its permissions. A symlink is kept,
+/// and its target replaced. Other file types (a pipe, `/dev/stdout`) are written to directly.
 pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let target = match fs::canonicalize(path) {
         Ok(target) => target,
-        // A link to nothing: its target is not made, because nobody can see where that is.
+        // A dangling link: its target is not created, because the user cannot see where that is.
         Err(error) if error.kind() == ErrorKind::NotFound => {
             refuse_link(path)?;
             path.to_owned()
@@ -95,8 +94,7 @@ pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     }
 }
 
-/// Writes a file that is not there yet; an error of the kind `AlreadyExists` when it is, as a file or as a
-/// link.
+/// Writes a new file; fails with `AlreadyExists` if a file or a link of that name exists.
 pub fn create(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let draft = draft(folder_of(path), bytes)?;
     draft.persist_noclobber(path).map_err(|error| error.error)?;
@@ -104,12 +102,12 @@ pub fn create(path: &Path, bytes: &[u8]) -> io::Result<()> {
     Ok(())
 }
 
-/// Writes a file below a folder, in place of an older one. No part of its path may be a link.
+/// Writes a file below a folder, replacing an existing one. No part of its path may be a symlink.
 pub fn replace_inside(folder: &Path, path: &str, bytes: &[u8]) -> io::Result<()> {
     put(&inside(folder, path)?, bytes, None)
 }
 
-/// The same through a draft of this name beside it, which may be left over from a kill.
+/// The same by way of this temporary file, which a killed process may have left behind.
 pub fn replace_through(draft: &Path, path: &Path, bytes: &[u8]) -> io::Result<()> {
     let written = no_follow()
         .write(true)
@@ -119,7 +117,7 @@ pub fn replace_through(draft: &Path, path: &Path, bytes: &[u8]) -> io::Result<()
         .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
         .and_then(|()| fs::rename(draft, path));
     if written.is_err() {
-        // The draft may fill the disk; that it could not be removed would hide why it could not be written.
+        // The draft may fill the disk. Report the write error, not a failure to remove the draft.
         let _ = fs::remove_file(draft);
     }
     written?;
@@ -127,8 +125,8 @@ pub fn replace_through(draft: &Path, path: &Path, bytes: &[u8]) -> io::Result<()
     Ok(())
 }
 
-/// Flushes a folder's entries to the disk. Not every file system can, and the files themselves are flushed
-/// already.
+/// Flushes a folder's entries to the disk. Not every file system supports it; the files themselves are
+/// flushed already.
 pub fn sync_folder(folder: &Path) {
     if let Ok(folder) = File::open(folder) {
         let _ = folder.sync_all();
@@ -145,7 +143,7 @@ fn put(target: &Path, bytes: &[u8], permissions: Option<Permissions>) -> io::Res
     Ok(())
 }
 
-/// The bytes in a file of another name in a folder, on the disk; removed when dropped.
+/// A temporary file with these bytes in a folder, flushed to the disk; removed when dropped.
 fn draft(folder: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(DRAFT[0]).suffix(DRAFT[1]).permissions(Permissions::from_mode(NEW_FILE));
@@ -155,15 +153,15 @@ fn draft(folder: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
     Ok(file)
 }
 
-/// Beginning and end of the name of a file that is being written.
+/// Prefix and suffix of the names of temporary files.
 const DRAFT: [&str; 2] = [".specforge-", ".draft"];
 
-/// Whether a file of this name is one that is being written, or was when its process was killed.
+/// Whether a name is that of a temporary file, possibly left behind by a killed process.
 pub fn is_draft(name: &str) -> bool {
     name.starts_with(DRAFT[0]) && name.ends_with(DRAFT[1])
 }
 
-/// The folder of a file.
+/// The parent folder of a file.
 pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }

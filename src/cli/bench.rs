@@ -38,7 +38,7 @@ pub struct Options {
 }
 
 impl Options {
-    /// The spec's variant with the robot, the engine and the rate that were asked for.
+    /// The spec's variant with the requested robot, engine and rate.
     fn variant(&self) -> Variant {
         let mut variant = self.variant.clone();
         let wishes =
@@ -49,9 +49,9 @@ impl Options {
     }
 }
 
-/// Measures and prints.
+/// Measures and prints the speed.
 pub fn run(options: &Options, global: &Global) -> Exit {
-    // Nothing of it is kept, so that it may end at any time.
+    // Nothing in it is kept, so the command may end at any time.
     let scratch: Arc<OnceLock<PathBuf>> = Arc::default();
     let left = scratch.clone();
     let leave = move || {
@@ -200,7 +200,7 @@ fn measured(
     Ok(())
 }
 
-/// What threads bring, as a table.
+/// The speed-up by threads, as a table.
 fn scaling(scaling: &crate::exec::speed::Scaling) -> String {
     let parts = &scaling.parts;
     let mut text = format!(

@@ -81,7 +81,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     }
 }
 
-/// A number of days; more than a duration holds is as long as there is.
+/// Parses a number of days; too large numbers become the longest duration.
 fn days(text: &str) -> Result<Duration, String> {
     match text.parse::<f64>() {
         Ok(days) if days >= 0.0 => Ok(Duration::try_from_secs_f64(days * 86_400.0).unwrap_or(Duration::MAX)),
@@ -89,7 +89,7 @@ fn days(text: &str) -> Result<Duration, String> {
     }
 }
 
-/// `.specforge` in the nearest folder around the present one that has it or a Cargo.toml.
+/// `.specforge` in the nearest parent folder (or this one) that contains it or a Cargo.toml.
 fn default_store() -> PathBuf {
     let here = std::env::current_dir().unwrap_or_default();
     let is_project =
@@ -97,7 +97,7 @@ fn default_store() -> PathBuf {
     here.ancestors().find(is_project).unwrap_or(&here).join(".specforge")
 }
 
-/// Whether a folder can be listed: a store, or the default one, which the first run makes.
+/// Whether a folder can be listed: it is a store, or the default one, which the first run creates.
 fn listable(store: &Store, global: &Global) -> Result<(), StoreError> {
     let nothing = |reason: String| Err(StoreError::NotAStore { path: store.root().to_owned(), reason });
     match marker::identity(store.root())? {
@@ -139,7 +139,7 @@ fn list(store: &Store, global: &Global) -> Exit {
     Exit::Ok
 }
 
-/// What is wrong in a store.
+/// Something wrong in a store.
 struct Fault {
     code: &'static str,
     what: String,
@@ -171,7 +171,7 @@ fn verify(store: &Store, global: &Global) -> Exit {
     if faults.is_empty() { Exit::Ok } else { Exit::StageFailed }
 }
 
-/// How many artefacts are whole, and the others. A folder that is not a store has none, which says nothing.
+/// The number of intact artefacts, and the others. Fails for a folder that is not a store.
 fn artefacts(store: &Store) -> Result<(usize, Vec<Fault>), StoreError> {
     let nothing = |reason: String| StoreError::NotAStore { path: store.root().to_owned(), reason };
     match marker::identity(store.root())? {
@@ -196,7 +196,7 @@ fn artefacts(store: &Store) -> Result<(usize, Vec<Fault>), StoreError> {
     Ok((whole, faults))
 }
 
-/// Checkpoints that no training would go on from.
+/// Damaged checkpoints, from which no training would continue.
 fn checkpoints(store: &Store) -> Vec<Fault> {
     let fault = |(key, reason)| Fault {
         code: "R0003",
@@ -207,7 +207,7 @@ fn checkpoints(store: &Store) -> Vec<Fault> {
     store.damaged_checkpoints().into_iter().map(fault).collect()
 }
 
-/// What is wrong with the journal of a store with so many artefacts.
+/// What is wrong with the journal of a store that has this many artefacts.
 fn journal(store: &Store, artefacts: usize) -> Result<Option<Fault>, StoreError> {
     let reason = match Journal::open(store)?.health() {
         Health::Damaged(reason) => reason.clone(),
@@ -218,7 +218,7 @@ fn journal(store: &Store, artefacts: usize) -> Result<Option<Fault>, StoreError>
     Ok(Some(Fault { code: "E0814", what: "journal".into(), reason, help }))
 }
 
-/// Removes the waste and tells of it; without `removal` it only tells.
+/// Removes the waste and reports it; without `removal` it is only reported.
 fn collect(store: &Store, cleaning: &gc::Cleaning, removal: Option<&Wait>, global: &Global) -> Exit {
     if let Some(Err(error)) = removal.map(|wait| gc::remove(cleaning, wait)) {
         return faults::store(global, &error);

@@ -1,4 +1,4 @@
-//! `specforge check FILE...`: everything that can be known before a simulator starts.
+//! `specforge check FILE...`: every check that does not need a simulator.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -26,7 +26,7 @@ pub struct Options {
     variant: Variant,
 }
 
-/// Checks every file, with its profiles, and prints what was found.
+/// Checks every file, with its profiles, and prints the findings.
 pub fn run(options: &Options, global: &Global) -> Exit {
     let files = match specs::files(&options.files, global) {
         Ok(files) => files,
@@ -82,8 +82,8 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     if failed { Exit::Invalid } else { Exit::Ok }
 }
 
-/// Everything that was found, in the order of the files. Each thread knows the robots that it has read. Of
-/// several files those without the chosen profile are checked as they stand, unless none of them has it.
+/// All findings, in the order of the files. Each thread caches the robots that it has read. If there are
+/// several files, those without the chosen profile are checked without it, unless none of them has it.
 fn examined(files: &[PathBuf], wanted: &LoadOptions) -> Vec<Looked> {
     let look = |lenient: bool| -> Vec<Looked> {
         let one = |checker: &mut Checker, file: &PathBuf| examine(file, wanted, lenient, checker);
@@ -93,14 +93,14 @@ fn examined(files: &[PathBuf], wanted: &LoadOptions) -> Vec<Looked> {
     if examined.iter().all(|looked| looked.without) { look(false) } else { examined }
 }
 
-/// The code of a key that is not of its kind: a profile may choose another kind, and so have it.
+/// The code of a key that the kind does not have; a profile may choose another kind that has it.
 const FOREIGN_KEY: &str = "E0105";
 
-/// Most profiles that are named in a sentence.
+/// Maximum number of profiles named in a message.
 const NAMED: usize = 10;
 
-/// What was found in a spec or a suite and in what it compares itself with, the profiles that it could be
-/// checked under, and its report's template.
+/// The findings in a spec or a suite and in those it is compared with, the profiles that it could be checked
+/// under, and its report's template.
 struct Examined {
     sources: Sources,
     sink: Sink,
@@ -109,7 +109,7 @@ struct Examined {
     template: Option<Template>,
 }
 
-/// A template, the project that it is looked for in, and where it is named.
+/// A template, the project to search for it, and where the spec names it.
 struct Template {
     name: String,
     project: PathBuf,
@@ -144,13 +144,13 @@ impl Examined {
         Self { sources, sink, compared: Vec::new(), profiles, template }
     }
 
-    /// Everything that was found, each with its texts.
+    /// All findings, each with its sources.
     fn findings(self, file: &Path) -> Vec<Findings> {
         let own = Findings::of(self.sources, self.sink.diagnostics).in_file(file);
         std::iter::once(own).chain(self.compared).collect()
     }
 
-    /// Says with a key that is not of its kind under which profiles the kind has it.
+    /// Names the profiles without errors in the message about a key that the kind does not have.
     fn name_sound(&mut self, sound: &[String]) {
         let named: Vec<String> =
             sound.iter().take(NAMED).map(|profile| format!("`--profile {profile}`")).collect();
@@ -163,7 +163,7 @@ impl Examined {
         }
     }
 
-    /// The same with what is wrong with its template: that would be found after the training otherwise.
+    /// Adds the errors of its template, which would otherwise be found only after the training.
     fn with_template(mut self) -> Self {
         let Some(Template { name, project, named }) = self.template.take() else { return self };
         let found = report::render::check(&name, &plan::templates(&project), &mut self.sources);
@@ -175,9 +175,9 @@ impl Examined {
     }
 }
 
-/// The claims of a suite that compare a result with itself without a profile and under each profile, because
-/// a suite may vary something that only a profile enables. Under a chosen profile such a claim is judged as
-/// not established.
+/// Claims of a suite that compare a result with itself both without a profile and under each profile, as a
+/// suite may vary something that only a profile enables. Under a chosen profile such a claim is judged as not
+/// established.
 fn same_results(
     checked: &CheckedSuite,
     file: &Path,
@@ -199,23 +199,23 @@ fn same_results(
     same
 }
 
-/// A file with what was found in it, as it stands and under each profile, and how long that took.
+/// A file with its findings without and with each profile, and how long checking took.
 struct Looked {
     variants: Vec<(Vec<Findings>, Option<String>)>,
-    /// Whether it lacks the chosen profile and was checked without.
+    /// Whether it lacks the chosen profile and was checked without it.
     without: bool,
     seconds: f64,
 }
 
-/// What was found in a file under a profile.
+/// The findings in a file under a profile.
 struct Under {
     profile: String,
     is_sound: bool,
     found: Vec<Findings>,
 }
 
-/// Checks a file as it stands and, unless one is chosen, under each of its profiles; with `lenient` as it
-/// stands, too, where it lacks the chosen one.
+/// Checks a file without a profile and, unless one is chosen, under each of its profiles. With `lenient`, a
+/// file that lacks the chosen profile is checked without it.
 fn examine(file: &Path, options: &LoadOptions, lenient: bool, checker: &mut Checker) -> Looked {
     let start = Instant::now();
     checker.remember_specs();
@@ -235,14 +235,14 @@ fn examine(file: &Path, options: &LoadOptions, lenient: bool, checker: &mut Chec
         true => std::mem::take(&mut plain.profiles).to_vec(),
         false => Vec::new(),
     };
-    // Of a spec that is sound under a profile nothing needs to be kept: there may be a thousand.
+    // Keep nothing of a spec that has no errors under a profile: there may be a thousand profiles.
     let under = |checker: &mut Checker, profile: String| {
         let other = look(checker, &LoadOptions { profile: Some(profile.clone()), ..options.clone() });
         let is_sound = !other.sink.has_errors();
         let found = other.findings(file).into_iter().filter(|found| !found.diagnostics.is_empty()).collect();
         Under { profile, is_sound, found }
     };
-    // Each thread begins with what the check without a profile has read.
+    // Each thread starts with what the check without a profile has read.
     let known = &*checker;
     let profiles: Vec<Under> = profiles.into_par_iter().map_init(|| known.clone(), under).collect();
     let sound = profiles.iter().filter(|under| foreign && under.is_sound).map(|under| under.profile.clone());
@@ -252,8 +252,8 @@ fn examine(file: &Path, options: &LoadOptions, lenient: bool, checker: &mut Chec
     Looked { variants, without, seconds: start.elapsed().as_secs_f64() }
 }
 
-/// The findings that are not known yet: a parent's mistake is told once, whatever extends it, and a profile's
-/// findings are those that the spec without it does not have.
+/// The findings not reported yet. An error in a parent is reported once, whichever specs extend it; of a
+/// profile's findings only those that the spec does not have without it are reported.
 fn fresh(findings: Findings, profile: Option<String>, told: &mut Told) -> Option<Findings> {
     let Findings { sources, mut diagnostics, file } = findings;
     diagnostics.retain(|found| told.is_new(&sources, found));

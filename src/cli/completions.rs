@@ -1,5 +1,4 @@
-//! `specforge completions SHELL`: the script that completes commands, options and, where they are known,
-//! values.
+//! `specforge completions SHELL`: the script that completes commands, options and, where known, values.
 
 use std::path::Path;
 
@@ -38,8 +37,8 @@ pub fn run(options: &Options, _: &Global) -> Exit {
     Exit::Ok
 }
 
-/// The command with the values that are known when the script is written: names of registries, kinds, robots
-/// and profiles. Parsing takes other values too; only the script sees these.
+/// Adds the values known when the script is written: names of registries, kinds, robots and profiles. Only
+/// the script uses them; parsing accepts other values too.
 fn with_values(command: Command) -> Command {
     let names = Names::of_this_project();
     let command = command
@@ -65,8 +64,7 @@ fn with_values(command: Command) -> Command {
     })
 }
 
-/// The same command with values for an argument. The names live as long as the program, which ends with the
-/// script.
+/// Adds values for an argument. The names are leaked; the program ends after printing the script.
 fn values(command: Command, argument: &'static str, names: &[String]) -> Command {
     let names: Vec<&'static str> = names.iter().map(|name| &*name.clone().leak()).collect();
     command.mut_arg(argument, |argument| argument.value_parser(PossibleValuesParser::new(names)))
@@ -85,7 +83,7 @@ struct Names {
 }
 
 impl Names {
-    /// The names that come with the program, and the robots of the project around the working folder.
+    /// The built-in names, and the robots of the project that contains the working folder.
     fn of_this_project() -> Self {
         let owned = |names: Vec<&str>| names.into_iter().map(str::to_owned).collect::<Vec<String>>();
         let registries = registries();
@@ -112,7 +110,7 @@ impl Names {
     }
 }
 
-/// The profiles of the parents that come with the program.
+/// The profiles of the built-in parents.
 fn profiles() -> Vec<String> {
     let biped: toml::Table = toml::from_str(parent("biped").unwrap_or_default()).unwrap_or_default();
     let profiles = biped.get("profile").and_then(toml::Value::as_table);

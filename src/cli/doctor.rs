@@ -1,4 +1,4 @@
-//! `specforge doctor`: what this machine has and lacks, and the cure for each.
+//! `specforge doctor`: what this machine has and lacks, and how to fix each problem.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,16 +11,16 @@ use crate::sim;
 #[derive(Debug, clap::Args)]
 pub struct Options {}
 
-/// One thing that was looked at.
+/// The result of one check.
 struct Finding {
     name: &'static str,
-    /// What was found; `Err` is what is wrong and what to do.
+    /// The finding; `Err` is the problem and its fix.
     result: Result<String, (String, &'static str)>,
-    /// Whether specforge cannot do its work without it.
+    /// Whether specforge needs it.
     needed: bool,
 }
 
-/// Looks at everything and prints it; exit code 4 when something is missing that is needed.
+/// Runs and prints all checks; exit code 4 if something required is missing.
 pub fn run(_: &Options, global: &Global) -> Exit {
     let findings = findings(global);
     if global.format == Format::Json {
@@ -102,7 +102,7 @@ fn findings(global: &Global) -> Vec<Finding> {
     ]
 }
 
-/// The first line that a tool prints about its version.
+/// The first line of a tool's version output.
 fn version(tool: &str, arguments: &[&str], cure: &'static str) -> Result<String, (String, &'static str)> {
     match Command::new(tool).args(arguments).output() {
         Ok(output) if output.status.success() => {
@@ -122,7 +122,7 @@ fn rapier() -> Result<String, (String, &'static str)> {
     }
 }
 
-/// Whether the batch engine is in this binary, and the widest instruction set that it finds.
+/// Whether this binary includes the batch engine, and the widest instruction set available to it.
 fn batch() -> Result<String, (String, &'static str)> {
     #[cfg(feature = "batch")]
     {
@@ -169,14 +169,14 @@ fn torch() -> Result<String, (String, &'static str)> {
     Err(("this binary was built without it".to_owned(), cure))
 }
 
-/// Where the running program has loaded a library from: what the loader really took.
+/// The path from which the loader actually loaded a library.
 fn loaded(library: &str) -> Option<String> {
     let maps = bounded::text(Path::new("/proc/self/maps"), bounded::RECORD).unwrap_or_default();
     let mut paths = maps.lines().filter_map(|line| line.split_once('/')).map(|(_, path)| format!("/{path}"));
     paths.find(|path| path.contains(library))
 }
 
-/// Tries to write into the store.
+/// Checks that the store is writable.
 fn store(global: &Global) -> Result<String, (String, &'static str)> {
     const CURE: &str = "choose another place with `--store DIR`, or make this one writable";
     let place = global.store.clone().unwrap_or_else(|| PathBuf::from(".specforge"));

@@ -1,5 +1,5 @@
-//! The examples at the end of every `--help`. `tests/help.rs` takes each line apart as the shell and the
-//! program would.
+//! The examples at the end of every `--help`. `tests/help.rs` parses each line like the shell and the program
+//! would.
 
 /// `check`
 pub const CHECK: &str = "\

@@ -1,4 +1,4 @@
-//! `specforge fmt FILE...`: writes files in their canonical form, or says which are not in it.
+//! `specforge fmt FILE...`: writes files in canonical form, or lists those that are not.
 
 use std::path::{Path, PathBuf};
 
@@ -23,13 +23,13 @@ pub struct Options {
     check: bool,
 }
 
-/// What became of one file.
+/// The result for one file.
 enum Outcome {
-    /// It is in its canonical form.
+    /// It is in canonical form.
     Clean,
-    /// It is not: the text before and after.
+    /// It is not; the text before and after formatting.
     Changed(String, String),
-    /// It cannot be read; the findings say why.
+    /// It cannot be parsed; the findings say why.
     Broken(Findings),
 }
 
@@ -97,7 +97,7 @@ fn standard_input(order: &Order, check: bool, global: &Global) -> Exit {
     tally.verdict(check, global)
 }
 
-/// Reads and formats a file; `None` for a file of someone else in a folder.
+/// Reads and formats a file; `None` for an unrelated file in a folder.
 fn examine(path: &Path, named: bool, order: &Order) -> Option<Outcome> {
     match file::read(&Disk, path) {
         Ok(text) => outcome(path, text, named, order),
@@ -105,7 +105,7 @@ fn examine(path: &Path, named: bool, order: &Order) -> Option<Outcome> {
     }
 }
 
-/// Formats a text. A file that was named is taken for a spec when it looks like nothing else.
+/// Formats a text. A file that was named explicitly is treated as a spec unless it looks like something else.
 fn outcome(path: &Path, text: String, named: bool, order: &Order) -> Option<Outcome> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let source = sources.add(path, text.as_str());
@@ -117,7 +117,7 @@ fn outcome(path: &Path, text: String, named: bool, order: &Order) -> Option<Outc
     Some(if formatted == text { Outcome::Clean } else { Outcome::Changed(text, formatted) })
 }
 
-/// Prints what would change, as `diff -u` would.
+/// Prints the changes in the format of `diff -u`.
 fn show(path: &Path, (before, after): (&str, &str), global: &Global) {
     if global.format == Format::Json {
         return;
@@ -125,7 +125,7 @@ fn show(path: &Path, (before, after): (&str, &str), global: &Global) {
     output::data(&rewrite::difference(path, before, after));
 }
 
-/// What became of all files.
+/// Counts of the results.
 #[derive(Default)]
 struct Tally {
     clean: usize,

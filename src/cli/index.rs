@@ -1,5 +1,5 @@
-//! `specforge report --index`: the page of pages, `reports/README.md`, from the records beside the reports
-//! and the suites' files. Needs no store.
+//! `specforge report --index`: the overview page `reports/README.md`, from the records next to the reports
+//! and from the suite files. Does not need the store.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -16,10 +16,10 @@ use crate::report::{earlier, listing};
 use crate::safe_fs;
 use crate::study::standing;
 
-/// Below this folder the suites are when none are named.
+/// The folder that is searched for suites by default.
 const SPECS: &str = "specs";
 
-/// Writes the page into the folder of the reports.
+/// Writes the overview page into the folder of the reports.
 pub fn run(files: &[PathBuf], folder: &Path, global: &Global) -> Exit {
     let files = match files {
         [] => suites_of(Path::new(SPECS)),
@@ -60,7 +60,7 @@ pub fn run(files: &[PathBuf], folder: &Path, global: &Global) -> Exit {
     Exit::Ok
 }
 
-/// Writes the notice into the pages that were judged by earlier rules.
+/// Adds a notice to the pages that were judged by earlier rules.
 fn notify(index: &Index, folder: &Path) -> std::io::Result<()> {
     for (name, _) in index.reports.iter().filter(|(_, report)| report.is_by_earlier_rules()) {
         let file = format!("{name}.md");
@@ -76,7 +76,7 @@ fn notify(index: &Index, folder: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
-/// The suites in a folder and below, sorted.
+/// The suites in a folder and its subfolders, sorted.
 pub fn suites_of(folder: &Path) -> Vec<PathBuf> {
     let mut suites: Vec<PathBuf> =
         listing::folders(folder).iter().flat_map(|folder| listing::files(folder, "toml")).collect();
@@ -85,10 +85,10 @@ pub fn suites_of(folder: &Path) -> Vec<PathBuf> {
     suites
 }
 
-/// The digests of the records' contents by the path of the page without `.md`.
+/// The digests of the records' contents, by the page's path without `.md`.
 type Contents = BTreeMap<String, String>;
 
-/// Reads the suites and the records of the reports. `Err` is the exit code; everything has been said then.
+/// Reads the suites and the reports' records. Reports errors; `Err` is the exit code.
 pub fn read(files: &[PathBuf], folder: &Path, global: &Global) -> Result<(Index, Contents), Exit> {
     let Found { records, contents, .. } = found(folder, global)?;
     let mut index = Index { reports: records, ..Index::default() };
@@ -105,8 +105,8 @@ pub fn read(files: &[PathBuf], folder: &Path, global: &Global) -> Result<(Index,
     Ok((index, contents))
 }
 
-/// Whether a report is of the runs that its own command would make today. Warnings of its specs are printed
-/// when these are checked or run. `Err` is the exit code; everything has been said then.
+/// Whether the runs of a report are those that its command would make today. Warnings of its specs are left
+/// to `check` and `run`. Reports errors; `Err` is the exit code.
 fn standing(report: &Sidecar, global: &Global) -> Result<Option<Standing>, Exit> {
     let quieter = Global { errors_only: true, ..global.clone() };
     specs::told(|log| standing::of(report, log), &quieter).inspect_err(|_| {
@@ -127,7 +127,7 @@ fn listed(file: &Path, global: &Global) -> Result<Listed, Exit> {
         return Err(Exit::Usage);
     }
     let checked = check::suite(file, &Variant::default().options());
-    // What is only suspicious is told when the suite is checked or run.
+    // Warnings are reported when the suite is checked or run.
     if checked.sink.has_errors() {
         specs::tell(&[Findings::of(checked.sources, checked.sink.diagnostics)], global);
         return Err(Exit::Invalid);
@@ -139,7 +139,7 @@ fn listed(file: &Path, global: &Global) -> Result<Listed, Exit> {
     Ok(Listed { name: suite.name, page, summary: suite.summary, file, profiles: suite.profiles, claims })
 }
 
-/// The path of a suite's page: its own, or that of a report of this very suite that somebody had written
+/// The path of a suite's page: its own, or that of an older report of the same suite that was written
 /// directly into the folder.
 fn page_of(suite: &Listed, reports: &BTreeMap<String, Sidecar>) -> String {
     let is_of_suite = |report: &Sidecar| {
@@ -151,8 +151,8 @@ fn page_of(suite: &Listed, reports: &BTreeMap<String, Sidecar>) -> String {
     }
 }
 
-/// The records of a folder. Prints which pages cannot be verified.
-/// Returns an error if any file was changed after it was published.
+/// The records of a folder. Prints which pages cannot be verified. Returns an error if any file was changed
+/// after it was published.
 fn found(folder: &Path, global: &Global) -> Result<Found, Exit> {
     let found = integrity::verify(folder);
     if !found.faults.is_empty() {

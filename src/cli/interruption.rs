@@ -1,15 +1,14 @@
-//! What an interruption means to a command: until its work begins, it ends at once, with the message and the
-//! exit code that an interruption always has.
+//! Handling of interruptions by commands: before its work starts, a command ends at once, always with the
+//! same message and exit code.
 
 use super::{Exit, Global, output};
 use crate::exec::Interrupt;
 
-/// What a command says that was interrupted.
+/// The message of an interrupted command.
 const MESSAGE: &str = "interrupted";
 
-/// Listens from here on; the first thing that a command does which may take long. `leave` puts away what the
-/// command would leave behind, should a signal end it before its work begins. `Err` is the exit code;
-/// everything has been said then.
+/// Installs signal handlers; called before anything that may take long. `leave` removes what the command
+/// would leave behind if a signal ends it before its work starts. Reports errors; `Err` is the exit code.
 pub fn listen(global: &Global, leave: impl FnOnce() + Send + 'static) -> Result<Interrupt, Exit> {
     let told = global.clone();
     let farewell = move || {
@@ -22,7 +21,7 @@ pub fn listen(global: &Global, leave: impl FnOnce() + Send + 'static) -> Result<
     })
 }
 
-/// Says that the command was interrupted.
+/// Reports that the command was interrupted.
 pub fn tell(global: &Global) -> Exit {
     output::note(global, MESSAGE);
     Exit::Interrupted

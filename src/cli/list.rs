@@ -1,4 +1,4 @@
-//! `specforge list [WHAT]`: the registries with their kinds, or the codes, engines, keys, units, robots and
+//! `specforge list [WHAT]`: the registries with their kinds, or codes, engines, keys, units, robots or
 //! motions.
 
 use std::path::Path;
@@ -20,7 +20,7 @@ use crate::spec::suggest::nearest;
 use crate::spec::{folder, load};
 use crate::syntax::{Disk, Files, file};
 
-/// Lists beside the registries.
+/// Lists other than registries.
 pub const LISTS: [&str; 6] = ["codes", "engines", "keys", "motions", "robots", "units"];
 
 /// Arguments of `list`.
@@ -32,7 +32,7 @@ pub struct Options {
     what: Option<String>,
 }
 
-/// One line of a list.
+/// One row of a list.
 struct Row {
     name: String,
     text: String,
@@ -67,7 +67,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     }
 }
 
-/// The lines of a list that is no registry.
+/// The rows of a list that is not a registry.
 fn rows(wanted: &str) -> Option<Vec<Row>> {
     let row = |name: &str, text: String, facts: Value| Row { name: name.to_owned(), text, facts };
     let vocabulary = vocabulary();
@@ -94,7 +94,7 @@ fn rows(wanted: &str) -> Option<Vec<Row>> {
     })
 }
 
-/// An engine with its contacts and, in the JSON form, what it supports.
+/// An engine and its contact model and, in the JSON form, its supported features.
 fn engine_row(engine: EngineName) -> Row {
     let EngineFacts { summary, contacts, .. } = engine.facts();
     let mut facts = json!({ "contacts": contacts });
@@ -104,8 +104,7 @@ fn engine_row(engine: EngineName) -> Row {
     Row { name: engine.word().to_owned(), text: format!("{summary}; contacts: {contacts}"), facts }
 }
 
-/// The files of the project around the working folder and those that come with the program, as a spec here
-/// would name them.
+/// The project's files and the built-in ones, as a spec in the working folder would name them.
 fn shelf_rows(shelf: &Shelf) -> Vec<Row> {
     let folder = folder::folder(&Disk, Path::new("spec.toml"));
     let row = |name: String| {
@@ -132,7 +131,7 @@ fn shelf_rows(shelf: &Shelf) -> Vec<Row> {
     shelf.names(&Disk, Some(&folder)).into_iter().map(row).collect()
 }
 
-/// What a robot's or a motion's file says about itself: its key `summary`, or its first comment.
+/// The description in a robot or motion file: its key `summary`, or its first comment.
 fn summary_of(text: &str) -> String {
     let table: toml::Table = toml::from_str(text).unwrap_or_default();
     let summary = table.get("summary").and_then(toml::Value::as_str).map(str::to_owned);

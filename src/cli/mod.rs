@@ -1,8 +1,8 @@
 //! The command line: one file per command. Only this module reads arguments.
 //!
-//! To add a command: a file with `Options` (its arguments) and `run(&Options, &Global) -> Exit`, a variant of
-//! [`Command`] and a line in [`main`]. Data goes to standard output through [`output::data`], everything else
-//! to standard error through [`output::note`] and [`output::complain`].
+//! To add a command, write a file with `Options` (its arguments) and `run(&Options, &Global) -> Exit`, then
+//! add a variant of [`Command`] and a line in [`main`]. Data goes to standard output through
+//! [`output::data`], everything else to standard error through [`output::note`] and [`output::complain`].
 
 mod bench;
 mod cache;
@@ -113,11 +113,11 @@ pub enum Color {
     Never,
 }
 
-/// Exit codes; part of the contract with other programs.
+/// Exit codes. Other programs rely on them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Exit {
-    /// All is well.
+    /// Success.
     Ok = 0,
     /// A bug in specforge.
     Internal = 1,

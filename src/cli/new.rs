@@ -1,4 +1,4 @@
-//! `specforge new FILE`: writes a spec or a suite to begin with.
+//! `specforge new FILE`: writes a spec or a suite to start from.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -69,8 +69,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     }
 }
 
-/// Checks the written file as `check` does and prints the findings; `Err` is the exit code if there are
-/// errors.
+/// Checks the written file like `check` and prints the findings; `Err` is the exit code if it has errors.
 fn checked(options: &Options, global: &Global) -> Result<(), Exit> {
     let variant = Variant::default();
     match &options.suite {
@@ -79,7 +78,7 @@ fn checked(options: &Options, global: &Global) -> Result<(), Exit> {
     }
 }
 
-/// Why nothing was written.
+/// Why the file was not written.
 struct Refusal {
     message: String,
     advice: String,
@@ -90,7 +89,7 @@ fn refuse<T>(message: String, advice: impl Into<String>) -> Result<T, Refusal> {
     Err(Refusal { message, advice: advice.into(), exit: Exit::Usage })
 }
 
-/// Writes the file and says in which form.
+/// Writes the file and returns a message about its form.
 fn write(options: &Options, global: &Global) -> Result<String, Refusal> {
     let file = &options.file;
     let name = match file.file_stem().and_then(|stem| stem.to_str()) {
@@ -145,7 +144,7 @@ fn write(options: &Options, global: &Global) -> Result<String, Refusal> {
     })
 }
 
-/// Writes a suite over a spec.
+/// Writes a suite based on a spec.
 fn over(file: &Path, (name, folder): (&str, &Path), spec: &Path) -> Result<String, Refusal> {
     if !spec.is_file() {
         let advice = file::elsewhere(&Disk, spec).unwrap_or_else(|| {
@@ -166,7 +165,7 @@ fn over(file: &Path, (name, folder): (&str, &Path), spec: &Path) -> Result<Strin
     Ok(format!("a suite over `{place}`"))
 }
 
-/// Writes a file that is not there yet.
+/// Writes a file that does not exist yet.
 fn put(file: &Path, text: &str) -> Result<(), Refusal> {
     match safe_fs::create(file, text.as_bytes()) {
         Ok(()) => Ok(()),
@@ -182,7 +181,7 @@ fn put(file: &Path, text: &str) -> Result<(), Refusal> {
     }
 }
 
-/// Whether a word is one of those that are known.
+/// Checks that a word is one of the known names.
 fn known(noun: &str, word: &str, names: Vec<&str>) -> Result<(), Refusal> {
     if names.contains(&word) {
         return Ok(());
@@ -194,7 +193,7 @@ fn known(noun: &str, word: &str, names: Vec<&str>) -> Result<(), Refusal> {
     refuse(format!("there is no {noun} `{word}`"), advice)
 }
 
-/// The robots that come with the program and those of the project around a folder, sorted.
+/// The built-in robots and those of the project that contains a folder, sorted.
 fn robots_of(folder: &Path) -> Vec<String> {
     use crate::kinds::vocabulary::vocabulary;
     use crate::spec::load::robots as shelf;
@@ -207,9 +206,9 @@ fn robots_of(folder: &Path) -> Vec<String> {
     names
 }
 
-/// How the robot is built; none for those that come with the program. A spec is made for the robot's weight
-/// and strength, so its file must be whole. The project's own file counts, also under the name of a robot
-/// that comes along.
+/// How the robot is built; `None` for built-in robots. The spec is adapted to the robot's weight and
+/// strength, so its file must be valid. A file of the project takes precedence over a built-in robot of the
+/// same name.
 fn build_of(name: &str, folder: &Path, global: &Global) -> Result<Option<Build>, Refusal> {
     let root = folder::root(&Disk, &folder.join("new.toml")).unwrap_or_else(|| folder.to_owned());
     let path = root.join("robots").join(format!("{name}.toml"));
@@ -232,7 +231,7 @@ fn build_of(name: &str, folder: &Path, global: &Global) -> Result<Option<Build>,
     }
 }
 
-/// What is wrong with a robot's file, as the reason for writing nothing.
+/// The errors in a robot's file, as the reason for writing nothing.
 fn unsound(path: &Path, sink: &Sink) -> Refusal {
     let errors: Vec<_> = sink.diagnostics.iter().filter(|found| found.severity == Severity::Error).collect();
     let first = errors.first().map(|found| format!(": {} [{}]", found.message, found.code));
@@ -247,7 +246,7 @@ fn unsound(path: &Path, sink: &Sink) -> Refusal {
     }
 }
 
-/// The folder of parents, relative to the folder of the new spec: `base` there or in a `specs` around it.
+/// The folder of parents, relative to the new spec's folder: `base` there, or in a `specs` folder above.
 fn base_of(folder: &Path, wish: &Wish) -> Option<String> {
     let here = std::path::absolute(folder).ok()?;
     let complete = |base: &Path| wish.family().iter().all(|name| base.join(format!("{name}.toml")).is_file());
@@ -256,13 +255,13 @@ fn base_of(folder: &Path, wish: &Wish) -> Option<String> {
     Some(relative(&here, &base))
 }
 
-/// The schema beside the parents, relative to the folder of the new spec.
+/// The schema next to the parents, relative to the new spec's folder.
 fn schema_of(folder: &Path, base: &str) -> Option<String> {
     let schema = Path::new(base).parent()?.join("schema/spec-1.json");
     folder.join(&schema).is_file().then(|| schema.to_string_lossy().into_owned())
 }
 
-/// The way from one absolute folder to another, with `/`.
+/// The relative path from one absolute folder to another, with `/`.
 fn relative(from: &Path, to: &Path) -> String {
     let (from, to): (Vec<Component<'_>>, Vec<Component<'_>>) =
         (from.components().collect(), to.components().collect());

@@ -1,8 +1,8 @@
-//! Where words go: data to standard output, everything else to standard error. Whatever passes here is
-//! escaped: only what is [`Painted`] keeps its colours.
+//! Output: data to standard output, everything else to standard error. All text is escaped here, and only
+//! [`Painted`] text keeps its colours.
 //!
-//! A reader that has gone away (`specforge list | head`) is no failure: what it does not read is dropped.
-//! Data that cannot be written otherwise, on a full disk, makes the command fail when it ends.
+//! A closed pipe (`specforge list | head`) is not an error: the rest of the output is dropped. Any other
+//! write error, such as a full disk, makes the command fail when it ends.
 
 use std::ffi::OsString;
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -16,20 +16,20 @@ use super::{Color, Exit, Format, Global};
 use crate::diag::{Diagnostic, Sources, render};
 use crate::escape::terminal::{self, Painted, Style};
 
-/// Whether data was lost.
+/// Whether data could not be written.
 static LOST: AtomicBool = AtomicBool::new(false);
 
-/// Writes data to standard output, with a line end.
+/// Writes data to standard output, with a newline.
 pub fn data(text: &str) {
     to_stdout(&terminal::lines(text));
 }
 
-/// Writes coloured data to standard output, with a line end.
+/// Writes coloured data to standard output, with a newline.
 pub fn painted(text: &Painted) {
     to_stdout(text.as_str());
 }
 
-/// Writes the commands of a workflow, which `diag::render` has escaped, to standard output.
+/// Writes GitHub workflow commands, already escaped by `diag::render`, to standard output.
 pub fn commands(text: &str) {
     if !text.is_empty() {
         to_stdout(text);
@@ -47,7 +47,7 @@ fn to_stdout(text: &str) {
     }
 }
 
-/// The exit code of a command that ends with this one, in view of what it could not write.
+/// The exit code of a command, corrected for data that could not be written.
 pub fn settled(exit: Exit) -> Exit {
     match exit {
         Exit::Ok if LOST.load(Ordering::Relaxed) => Exit::StageFailed,
@@ -55,13 +55,13 @@ pub fn settled(exit: Exit) -> Exit {
     }
 }
 
-/// Writes a JSON value to standard output: indented for one document.
+/// Writes an indented JSON document to standard output.
 pub fn json(value: &serde_json::Value) {
     data(&serde_json::to_string_pretty(value).unwrap_or_else(|error| format!("{{\"error\": \"{error}\"}}")));
 }
 
-/// Tells the user something, on standard error, unless `--quiet`. With `--format json` it is an object on a
-/// line, as everything there is.
+/// Writes a message to standard error unless `--quiet`. With `--format json` it is a JSON object on one line,
+/// like everything there.
 pub fn note(global: &Global, text: &str) {
     match global.format {
         _ if global.quiet || text.is_empty() => {}
@@ -70,14 +70,14 @@ pub fn note(global: &Global, text: &str) {
     }
 }
 
-/// Tells the user what went wrong outside of a spec, where there is no code for it; see [`fault`].
+/// Reports an error outside of a spec that has no code; see [`fault`].
 pub fn complain(global: &Global, message: &str, advice: Option<&str>) {
     fault(global, None, message, advice);
 }
 
-/// Tells the user what went wrong outside of a spec: `error: [CODE] MESSAGE` and, when there is one,
-/// `help: ADVICE`. With `--format json` it is the document of `check` with this one diagnostic, on a line of
-/// standard output.
+/// Reports an error outside of a spec as `error: [CODE] MESSAGE` and, if there is advice, `help: ADVICE`.
+/// With `--format json` it is a document as from `check`, with one diagnostic, on one line of standard
+/// output.
 pub fn fault(global: &Global, code: Option<&str>, message: &str, advice: Option<&str>) {
     if global.format == Format::Json {
         data(&document(code, message, advice.map(str::to_owned)).to_string());
@@ -97,7 +97,7 @@ pub fn fault(global: &Global, code: Option<&str>, message: &str, advice: Option<
     to_stderr(text.as_str());
 }
 
-/// The document of `check` with one error that has no place in a file.
+/// The document of `check` with one error that has no location in a file.
 fn document(code: Option<&str>, message: &str, help: impl IntoIterator<Item = String>) -> serde_json::Value {
     let error = help.into_iter().fold(Diagnostic::error("", message), Diagnostic::help);
     let mut document = render::json(&Sources::default(), &[error]);
@@ -105,10 +105,9 @@ fn document(code: Option<&str>, message: &str, help: impl IntoIterator<Item = St
     document
 }
 
-/// Prints what is wrong with the arguments, or the help that they ask for; `asked` are the arguments as they
-/// were given.
+/// Prints the errors in the arguments or the requested help; `asked` are the original arguments.
 pub fn arguments(mut error: clap::Error, asked: &[OsString]) -> Exit {
-    // `-- -1` is advice for a positional argument, and no command takes a number there.
+    // Clap suggests `-- -1` for a positional argument, but no command takes a number there.
     if let Some(tips) = error.remove(ContextKind::Suggested)
         && !format!("{tips:?}").contains("as a value")
     {
@@ -121,13 +120,13 @@ pub fn arguments(mut error: clap::Error, asked: &[OsString]) -> Exit {
         let help = paragraphs.map(|part| part.trim_start_matches("tip: ").to_owned());
         data(&document(None, &message, help).to_string());
     } else {
-        // Help and the version arrive here too; a reader that has gone away is no failure.
+        // Help and version are printed here too; a closed pipe is not an error.
         let _ = error.print();
     }
     if error.use_stderr() { Exit::Usage } else { Exit::Ok }
 }
 
-/// Whether arguments that cannot be parsed ask for JSON.
+/// Whether unparsable arguments request JSON.
 fn asks_for_json(arguments: &[OsString]) -> bool {
     let pairs = arguments.iter().zip(arguments.iter().skip(1));
     arguments.iter().any(|argument| argument == "--format=json")
@@ -146,7 +145,7 @@ pub fn colored(global: &Global) -> bool {
     }
 }
 
-/// Characters in a line of the terminal that standard output goes to; none when it goes elsewhere.
+/// Width of the terminal on standard output; `None` if it is not a terminal.
 pub fn width() -> Option<usize> {
     terminal_size::terminal_size_of(std::io::stdout())
         .map(|(terminal_size::Width(width), _)| usize::from(width))
@@ -164,29 +163,29 @@ pub fn paints(global: &Global) -> bool {
     }
 }
 
-/// A path in a message, on one line.
+/// A path for a message, on one line.
 pub fn shown(path: &Path) -> String {
     terminal::line(&path.display().to_string()).into_owned()
 }
 
-/// Writes data to standard output, when there is any.
+/// Writes data to standard output, unless it is empty.
 pub fn data_if_any(text: &str) {
     if !text.is_empty() {
         data(text);
     }
 }
 
-/// Writes a message to standard error, with `--quiet` too.
+/// Writes a message to standard error, even with `--quiet`.
 pub fn message(text: &str) {
     to_stderr(&terminal::lines(text));
 }
 
-/// Writes diagnostics, which `diag::render` has escaped, to standard error as they are.
+/// Writes diagnostics, already escaped by `diag::render`, to standard error.
 pub fn diagnostics(text: &str) {
     let _ = std::io::stderr().lock().write_all(text.as_bytes());
 }
 
-/// Writes a message to standard error, when there is one.
+/// Writes a message to standard error, unless it is empty.
 fn to_stderr(text: &str) {
     if !text.is_empty() {
         let _ = writeln!(std::io::stderr().lock(), "{}", text.trim_end_matches('\n'));

@@ -1,5 +1,5 @@
-//! `specforge report --check`: whether the records, pages and figures in a folder of reports are as they were
-//! published. Needs no store.
+//! `specforge report --check`: whether the records, pages and figures in a folder of reports are unchanged
+//! since they were published. Does not need the store.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use crate::report::integrity::{self, Fault, Found, Unverifiable};
 /// The diagnostic's code.
 pub const CODE: &str = "R0013";
 
-/// Compares every record with its own digest, its values, its page and its figures, and the index with all records.
+/// Compares every record with its digest, values, page and figures, and the index with all records.
 pub fn check(folder: &Path, global: &Global) -> Exit {
     if !folder.is_dir() {
         let message = format!("{} is not a folder", folder.display());

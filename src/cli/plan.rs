@@ -41,7 +41,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     if options.power {
         return power::run(&study, global);
     }
-    // The report's stage is the one that `run` would work on.
+    // The report stage must be the one that `run` would make.
     let reports = study.reports();
     let study = match study::settled(study, &reports, global) {
         Ok(settled) => settled.study,

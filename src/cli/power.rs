@@ -1,5 +1,5 @@
-//! `specforge plan --power SUITE`: what the tests of a suite's claims can decide, and how many seeds settle
-//! those that are open.
+//! `specforge plan --power SUITE`: what the tests of a suite's claims can decide, and how many seeds would
+//! settle the open ones.
 
 use super::{Exit, Format, Global, output};
 use crate::escape::terminal::one_line;
@@ -9,7 +9,7 @@ use crate::report::sidecar::Sidecar;
 use crate::spec::Table;
 use crate::study::Study;
 
-/// Prints the tests of the claims, and of the page that was rendered last what is open.
+/// Prints the tests of the claims and, from the latest report page, the open claims.
 pub fn run(study: &Study, global: &Global) -> Exit {
     let Some(suite) = &study.plan.suite else {
         output::complain(
@@ -84,7 +84,7 @@ pub fn table(plan: &Plan) -> String {
     text
 }
 
-/// What became of the claims, and what would settle those that are open; empty without runs.
+/// The outcomes of the claims, and what would settle the open ones; empty without runs.
 fn observed(judged: &[Judged]) -> String {
     let line = |judged: &Judged| {
         let settled = judged.settled_by.as_ref().map_or(String::new(), |settled| format!("; {settled}"));

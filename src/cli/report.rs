@@ -1,5 +1,5 @@
-//! `specforge report FILE...`: renders a report again from what is in the store; `--index` writes the page of
-//! all reports, `--check` finds pages that were edited. Never simulates.
+//! `specforge report FILE...`: renders a report again from the store; `--index` writes the overview of all
+//! reports, `--check` finds edited pages. Never simulates.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -35,7 +35,7 @@ pub struct Options {
     check: bool,
 }
 
-/// Stages that the warning of missing results names.
+/// Maximum number of stages that the warning about missing results names.
 const SHOWN: usize = 3;
 
 /// Renders and publishes the report.
@@ -89,7 +89,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     execute(&study, &store, Destination { folder: &folder, own: &own }, global)
 }
 
-/// The stages whose results the report will lack.
+/// The stages whose results will be missing from the report.
 fn missing(study: &Study, absent: &BTreeSet<&Fingerprint>) -> Vec<String> {
     let plan = &study.plan;
     let lacking =
@@ -97,7 +97,7 @@ fn missing(study: &Study, absent: &BTreeSet<&Fingerprint>) -> Vec<String> {
     lacking.map(|stage| plan.label(stage)).collect()
 }
 
-/// The first of many stages.
+/// The first few of many stages.
 fn some(stages: &[String]) -> String {
     let shown = stages.iter().take(SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ");
     match stages.len().saturating_sub(SHOWN) {
@@ -106,8 +106,8 @@ fn some(stages: &[String]) -> String {
     }
 }
 
-/// Why a report that lacks something is not written, and the cure: nothing was learned or measured yet, or
-/// the page that is there knows more.
+/// Why an incomplete report is not written, and the fix: nothing has been learned or measured yet, or the
+/// existing page has more results.
 fn refusal(study: &Study, absent: &BTreeSet<&Fingerprint>, record: &Path) -> Option<(String, String)> {
     let there = study.plan.stages().filter(|stage| !absent.contains(&stage.fingerprint));
     let there = there.filter(|stage| stage.kind != StageKind::Report).flat_map(|stage| &stage.users);

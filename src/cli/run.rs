@@ -120,10 +120,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     execute(&task, &interrupt, global)
 }
 
-/// Samples from which on a training is hours of a desktop's time.
+/// Number of samples above which a training takes hours on a desktop.
 const MANY: u64 = 20_000_000;
 
-/// That a training without a profile is a long one, and what is shorter; empty where there is nothing to say.
+/// Warns that a training without a profile is long and names shorter profiles; empty if not applicable.
 fn long(study: &Study) -> String {
     let arms = study.plan.arms.iter().filter(|arm| arm.request.profile.is_none());
     let samples =
@@ -144,7 +144,7 @@ fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// `--dry-run`: the stages that would run, with their reasons.
+/// `--dry-run`: prints the stages that would run, with their reasons.
 fn preview(
     study: &Study,
     selected: &std::collections::BTreeSet<Fingerprint>,
@@ -182,7 +182,7 @@ fn preview(
     Exit::Ok
 }
 
-/// Who is told of events: programs by JSON lines, terminals by bars, logs by lines.
+/// The receiver of events: JSON lines for programs, bars on terminals, plain lines in logs.
 pub fn audience(global: &Global) -> Arc<dyn Events> {
     match global.format {
         Format::Json => Arc::new(JsonLines::new(std::io::stdout())),
@@ -192,13 +192,13 @@ pub fn audience(global: &Global) -> Arc<dyn Events> {
     }
 }
 
-/// What is to be executed.
+/// What to execute.
 struct Task<'a> {
     study: &'a Study,
     store: &'a Store,
     settings: &'a exec::Options,
     destination: Destination<'a>,
-    /// When the command began.
+    /// When the command started.
     start: Instant,
 }
 
@@ -245,18 +245,18 @@ fn execute(task: &Task, interrupt: &Interrupt, global: &Global) -> Exit {
     }
 }
 
-/// What became of the report.
+/// The result of publishing the report.
 enum Published {
-    /// There is none.
+    /// The run made no report.
     Nothing,
-    /// It is this page.
+    /// The report was written to this page.
     Page(PathBuf),
-    /// It does not take the place of the page that is there: why, and the cure.
+    /// The existing page was kept: why, and the fix.
     Kept(String, String),
 }
 
 impl Published {
-    /// The page that was written.
+    /// The page that was written, if any.
     fn page(&self) -> Option<&Path> {
         match self {
             Self::Page(path) => Some(path),
@@ -265,8 +265,8 @@ impl Published {
     }
 }
 
-/// Publishes the report, unless it is of a part of the stages and the page that is there knows more. With its
-/// record. `Err` is the exit code; everything has been said then.
+/// Publishes the report, unless it is incomplete and the existing page has more results. Returns the report's
+/// record as well. Reports errors; `Err` is the exit code.
 fn publish(
     outcome: &Outcome,
     study: &Study,
@@ -294,7 +294,7 @@ fn publish(
     Ok((published, record))
 }
 
-/// The page that was written, or why it was not.
+/// Prints the page that was written, or why it was not.
 fn tell_page(published: &Published, global: &Global) {
     match published {
         Published::Page(path) if global.format != Format::Json => output::data(&path.display().to_string()),
@@ -305,12 +305,12 @@ fn tell_page(published: &Published, global: &Global) {
     }
 }
 
-/// Whether a claim that fails makes the run fail.
+/// Whether a failed claim makes the run fail.
 fn counts(study: &Study) -> bool {
     study.plan.suite.as_ref().is_some_and(|suite| suite.claims_count)
 }
 
-/// The arms that fail their task, a line each, before any claim.
+/// Prints the arms that fail their task, one line each, before any claims.
 fn tell_tasks(records: &[TaskRecord], global: &Global) {
     if global.format != Format::Json {
         tasks::failing(records)
@@ -318,7 +318,7 @@ fn tell_tasks(records: &[TaskRecord], global: &Global) {
     }
 }
 
-/// The claims, a line each.
+/// Prints the claims, one line each.
 fn tell_claims(judged: &[Judged], global: &Global) {
     if global.format != Format::Json {
         claim::meaningless(judged)
@@ -338,7 +338,7 @@ fn verdict(outcome: &Outcome) -> &'static str {
     }
 }
 
-/// The last line on standard error.
+/// Prints the last line on standard error.
 fn summarise(outcome: &Outcome, study: &Study, wall_s: f64, global: &Global) {
     if global.format == Format::Json {
         return;

@@ -1,5 +1,5 @@
-//! What the commands that read specs share: the options that choose a variant, the files behind the
-//! arguments, and printing what was found.
+//! Shared by the commands that read specs: the options that choose a variant, finding the files for the
+//! arguments, and printing the findings.
 
 use std::path::{Path, PathBuf};
 
@@ -30,7 +30,7 @@ pub struct Variant {
 }
 
 impl Variant {
-    /// As loading takes them.
+    /// The options for loading.
     pub fn options(&self) -> LoadOptions {
         LoadOptions {
             profile: self.profile.clone(),
@@ -42,7 +42,7 @@ impl Variant {
     }
 }
 
-/// Does something that keeps a log, and prints the log and why it failed.
+/// Runs something that keeps a log; prints the log and, on failure, the reason.
 pub fn told<T>(work: impl FnOnce(&mut Log) -> Result<T, Refusal>, global: &Global) -> Result<T, Exit> {
     let mut log = Log::default();
     let result = work(&mut log);
@@ -57,20 +57,20 @@ pub fn told<T>(work: impl FnOnce(&mut Log) -> Result<T, Refusal>, global: &Globa
     }
 }
 
-/// Loads and checks a suite and prints what was found. `Err` is the exit code; everything has been said then.
+/// Loads and checks a suite and prints the findings. Reports errors; `Err` is the exit code.
 pub fn suite(path: &Path, variant: &Variant, global: &Global) -> Result<CheckedSuite, Exit> {
     told(|log| study::suite::checked(path, &variant.options(), log), global)
 }
 
-/// Loads and checks one spec and prints what was found; `Err` is the exit code when there are errors. With
-/// `--format json` errors go to standard output as the document of `check`.
+/// Loads and checks a spec and prints the findings; `Err` is the exit code if it has errors. With `--format
+/// json`, errors go to standard output as the document of `check`.
 pub fn require(path: &Path, variant: &Variant, global: &Global) -> Result<Checked, Exit> {
     told(|log| study::spec::checked(path, &variant.options(), log), global)
 }
 
-/// Prints diagnostics, with `--format json` as the document of `check`: errors on standard output, warnings
-/// alone as one line on standard error, for standard output has another document then. Whether any is an
-/// error.
+/// Prints diagnostics. With `--format json` errors are printed to standard output as the document of `check`;
+/// warnings alone go to standard error on one line, because standard output then has another document.
+/// Returns whether there are errors.
 pub fn tell(findings: &[Findings], global: &Global) -> bool {
     let failed = print(findings, global);
     let warned = !global.errors_only && findings.iter().any(|found| !found.diagnostics.is_empty());
@@ -82,8 +82,8 @@ pub fn tell(findings: &[Findings], global: &Global) -> bool {
     failed
 }
 
-/// Prints diagnostics: for people to standard error, for programs to standard output. Whether any is an
-/// error.
+/// Prints diagnostics: for people to standard error, for programs to standard output. Returns whether there
+/// are errors.
 pub fn print(findings: &[Findings], global: &Global) -> bool {
     let look = Look { colors: output::colored(global), ..Look::default() };
     for Findings { sources, diagnostics, .. } in findings {
@@ -99,7 +99,7 @@ pub fn print(findings: &[Findings], global: &Global) -> bool {
     findings.iter().any(|findings| render::count(&findings.diagnostics).0 > 0)
 }
 
-/// All diagnostics as the one JSON document of `check`.
+/// All diagnostics as one JSON document, as from `check`.
 pub fn json(findings: &[Findings]) -> serde_json::Value {
     let mut all = Vec::new();
     let (mut errors, mut warnings) = (0, 0);
@@ -114,7 +114,7 @@ pub fn json(findings: &[Findings]) -> serde_json::Value {
     serde_json::json!({ "diagnostics": all, "errors": errors, "warnings": warnings })
 }
 
-/// A diagnostic without a place is about the file that was read.
+/// A diagnostic without a location is about the file that was read.
 fn in_file(mut entry: serde_json::Value, file: Option<&Path>) -> serde_json::Value {
     if let Some(file) = file.filter(|_| entry["file"].is_null()) {
         entry["file"] = file.display().to_string().into();
@@ -122,12 +122,12 @@ fn in_file(mut entry: serde_json::Value, file: Option<&Path>) -> serde_json::Val
     entry
 }
 
-/// The spec files behind arguments. `Err` is the exit code; everything has been said then.
+/// The spec files for the arguments. Reports errors; `Err` is the exit code.
 pub fn files(arguments: &[PathBuf], global: &Global) -> Result<Vec<PathBuf>, Exit> {
     found(files::specs(arguments), global)
 }
 
-/// The TOML files behind arguments. `Err` is the exit code; everything has been said then.
+/// The TOML files for the arguments. Reports errors; `Err` is the exit code.
 pub fn toml_files(arguments: &[PathBuf], global: &Global) -> Result<Vec<PathBuf>, Exit> {
     found(files::toml_files(arguments), global)
 }

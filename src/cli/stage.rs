@@ -1,5 +1,5 @@
-//! `specforge stage FINGERPRINT --plan PLAN.json`: one stage by itself, the unit of distribution. Its
-//! inputs must be in the store; two at once share the work by a lock.
+//! `specforge stage FINGERPRINT --plan PLAN.json`: runs a single stage, the unit of distribution. Its inputs
+//! must be in the store; a lock coordinates concurrent processes.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;

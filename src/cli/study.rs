@@ -1,5 +1,5 @@
-//! What the commands share that work on a plan: its files, its store, and where its page goes. All of it
-//! prints what keeps the command from its work.
+//! Shared by the commands that work on a plan: its files, its store, and the path of its page. Everything
+//! here reports its errors.
 
 use std::path::{Path, PathBuf};
 
@@ -19,24 +19,23 @@ pub struct Source {
     pub variant: Variant,
 }
 
-/// Reads, checks and lowers. `Err` is the exit code; everything has been said then.
+/// Reads, checks and lowers the specs. Reports errors; `Err` is the exit code.
 pub fn read(source: &Source, global: &Global) -> Result<Study, Exit> {
     told(|log| Study::read(&source.files, &source.variant.options(), log), global)
 }
 
-/// A plan that was saved. `Err` is the exit code; everything has been said then.
+/// Reads a saved plan. Reports errors; `Err` is the exit code.
 pub fn saved(plan: &Path, global: &Global) -> Result<Study, Exit> {
     told(|log| saved::read(plan, log), global)
 }
 
-/// The store that the user named, or the project's. `Err` is the exit code; everything has been said then.
+/// The store named by the user, or the project's. Reports errors; `Err` is the exit code.
 pub fn store(study: &Study, global: &Global) -> Result<Store, Exit> {
     study.store(global.store.clone()).map_err(|error| faults::store(global, &error))
 }
 
-/// Where the report is written: into the folder that the user named, or into its own below the project's
-/// `reports`. `Err` is the exit code when that is no folder; it has been said then, before anything is worked
-/// on.
+/// The folder for the report: the one named by the user, or its own below the project's `reports`. If it is
+/// not a folder, reports that before any work starts; `Err` is the exit code.
 pub fn reports(chosen: Option<&Path>, study: &Study, global: &Global) -> Result<PathBuf, Exit> {
     let folder = chosen.map_or_else(|| study.reports(), Path::to_owned);
     if folder.exists() && !folder.is_dir() {
@@ -47,8 +46,8 @@ pub fn reports(chosen: Option<&Path>, study: &Study, global: &Global) -> Result<
     Ok(folder)
 }
 
-/// The study with the name that its report can have in a folder as it is now. `Err` is the exit code;
-/// everything has been said then.
+/// Settles the report's name, which depends on what the folder contains. Reports errors; `Err` is the exit
+/// code.
 pub fn settled(study: Study, folder: &Path, global: &Global) -> Result<Settled, Exit> {
     page_name::settled(study, folder).map_err(|error| {
         output::complain(global, &error.to_string(), None);

@@ -1,5 +1,5 @@
-//! `specforge trace FIGURE`: which runs, stages, spec values and commits a figure or a table's cell comes
-//! from. Reads the file that lies beside every report; needs neither the spec nor the store.
+//! `specforge trace FIGURE`: which runs, stages, spec values and commits a figure or a table cell comes from.
+//! Reads the record next to the report; needs neither the spec nor the store.
 
 use std::path::{Path, PathBuf};
 
@@ -30,23 +30,23 @@ pub struct Options {
     target: String,
 }
 
-/// What the user pointed at.
+/// What to trace.
 struct Target {
-    /// The sidecar's file.
+    /// The path of the report's record.
     sidecar: PathBuf,
     /// The item and, for a cell, its row.
     item: Option<(String, Option<String>)>,
-    /// `figure` or `table`, for names that are both.
+    /// `figure` or `table`, to tell items of the same name apart.
     kind: &'static str,
 }
 
-/// The item of this name: of this kind where there are two.
+/// The item of this name; if there are two, the one of this kind.
 fn named<'a>(sidecar: &'a Sidecar, id: &str, kind: &str) -> Option<&'a Item> {
     let named = || sidecar.items.iter().filter(|item| item.id == id);
     named().find(|item| item.kind == kind).or_else(|| named().next())
 }
 
-/// The cells of a row; of a claim that has no row of its own those of its comparisons (`CLAIM/CASE`).
+/// The cells of a row; for a claim without its own row, those of its comparisons (`CLAIM/CASE`).
 fn cells_of<'a>(item: &'a Item, row: &str) -> Vec<&'a TracedCell> {
     let below = |cell: &TracedCell| cell.row.strip_prefix(row).is_some_and(|rest| rest.starts_with('/'));
     let own: Vec<&TracedCell> = item.cells.iter().filter(|cell| cell.row == row).collect();
@@ -123,7 +123,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     Exit::Ok
 }
 
-/// Takes `reports/NAME/FIGURE.svg`, `reports/NAME.md#ITEM.ROW`, or the same with `.json`, apart.
+/// Parses `reports/NAME/FIGURE.svg`, `reports/NAME.md#ITEM.ROW`, or the same with `.json`.
 fn target(argument: &str) -> Target {
     let (file, place) =
         argument.split_once('#').map_or((argument, None), |(file, place)| (file, Some(place)));
@@ -145,7 +145,7 @@ fn target(argument: &str) -> Target {
     }
 }
 
-/// The record of a report, whose name may have dots.
+/// The record of a report, whose name may contain dots.
 fn appended(report: &Path) -> PathBuf {
     let mut name = report.as_os_str().to_owned();
     name.push(".json");
@@ -164,7 +164,7 @@ impl Read {
         safe_fs::folder_of(&self.path)
     }
 
-    /// Why a file of the report is not the one that its record is of.
+    /// Why a file does not match its record; `None` if it does.
     fn mismatch(&self, file: &str) -> Option<String> {
         let Self { path, record, digests } = self;
         if path.file_stem().is_none_or(|name| name != record.report.as_str()) {
@@ -179,7 +179,7 @@ impl Read {
     }
 }
 
-/// Reads a report's record: the file as it is named or, as the pages name it, the one in `reports`.
+/// Reads a report's record from this path or, if it does not exist, from the same path below `reports`.
 fn read(path: &Path) -> Result<Read, RecordError> {
     let beside = Path::new("reports").join(path);
     let path = if !path.is_file() && beside.is_file() { beside.as_path() } else { path };
@@ -192,7 +192,7 @@ fn known(sidecar: &Sidecar) -> String {
     format!("there are {}", sidecar.items.iter().map(|item| item.id.as_str()).collect::<Vec<_>>().join(", "))
 }
 
-/// Everything that can be traced.
+/// Lists everything that can be traced.
 fn list(sidecar: &Sidecar, global: &Global) {
     if global.format == Format::Json {
         let items =
@@ -231,7 +231,7 @@ fn text(sidecar: &Sidecar, item: &Item, cells: &[&TracedCell], all: bool) -> Str
     text + &one_line(&format!("\n{renderer}")) + &one_line(&format!("again with: {}", sidecar.command))
 }
 
-/// The stages behind some cells, each once.
+/// The stages behind some cells, without duplicates.
 fn sources_of<'a>(item: &'a Item, cells: &[&'a TracedCell]) -> Vec<&'a Source> {
     let mut sources: Vec<&Source> = Vec::new();
     for source in cells.iter().flat_map(|cell| item.sources_of(cell)) {
@@ -242,7 +242,7 @@ fn sources_of<'a>(item: &'a Item, cells: &[&'a TracedCell]) -> Vec<&'a Source> {
     sources
 }
 
-/// The stage and all that it was made from, each once, with its distance.
+/// The stage and everything it was made from, without duplicates, each with its distance.
 fn chain(sidecar: &Sidecar, source: &Source) -> Vec<(usize, String)> {
     let mut found: Vec<(usize, String)> = vec![(0, source.stage.clone())];
     let mut next = 0;

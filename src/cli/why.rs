@@ -69,17 +69,17 @@ struct Answer {
     label: String,
     key: String,
     status: Status,
-    /// When the present or the earlier artefact was made.
+    /// When the current or the earlier artefact was made.
     made: Option<String>,
-    /// A stage that was never made compared with the most similar artefact of its kind.
+    /// For a stage that was never made: differences from the most similar artefact of its kind.
     nearest: Option<(String, Vec<Change>)>,
-    /// How far an interrupted training came: samples, and those of the whole.
+    /// Progress of an interrupted training: samples done and samples in total.
     checkpoint: Option<[u64; 2]>,
-    /// The attempts at it that ended their process.
+    /// Attempts at the stage that ended their process.
     crashes: Vec<CrashLine>,
 }
 
-/// Differences from the most similar artefact that are told one by one.
+/// Maximum number of differences from the most similar artefact that are listed.
 const TOLD: usize = 20;
 
 fn answer(plan: &Plan, stage: &Stage, store: &Store) -> Answer {
@@ -106,8 +106,8 @@ fn answer(plan: &Plan, stage: &Stage, store: &Store) -> Answer {
     Answer { label, key, status, made, nearest, checkpoint, crashes }
 }
 
-/// How far a training came whose checkpoint is in the store. The last of its metrics may be some updates
-/// ahead.
+/// Progress of a training whose checkpoint is in the store. Its last metrics may be a few updates ahead of
+/// the checkpoint.
 fn checkpoint(stage: &Stage, store: &Store) -> Option<[u64; 2]> {
     let scratch = store.root().join("scratch").join(stage.fingerprint.as_str());
     let metrics = bounded::text(&scratch.join("metrics.jsonl"), bounded::RECORD).ok()?;
@@ -170,8 +170,8 @@ impl Answer {
     }
 }
 
-/// The differences, of many only the first: another robot is one difference, whatever its file says. All of
-/// them with `--verbose`.
+/// The differences; only the first if there are many, as another robot is one difference, however long its
+/// file. With `--verbose` all of them.
 fn some(changes: &[Change], verbose: bool) -> String {
     if verbose {
         return changes.iter().map(change).collect();
@@ -195,7 +195,7 @@ fn some(changes: &[Change], verbose: bool) -> String {
     text
 }
 
-/// A change with both values and where they come from.
+/// A change with both values and their origins.
 fn change(change: &Change) -> String {
     let side = |value: &Option<String>, origin: &Option<String>| {
         let value = value.as_deref().unwrap_or("absent");

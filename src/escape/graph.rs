@@ -1,13 +1,13 @@
-//! Labels of graphs, between double quotes: in the language of Graphviz and in that of Mermaid.
+//! Labels of graphs, between double quotes, for Graphviz and Mermaid.
 
 use super::terminal::line;
 
-/// A label for Graphviz. It knows `\` as an escape and HTML's entities.
+/// A label for Graphviz, which interprets `\` escapes and HTML entities.
 pub fn dot(text: &str) -> String {
     line(text).replace('\\', "\\\\").replace('"', "\\\"").replace('&', "&amp;")
 }
 
-/// A label for Mermaid, which is HTML and may be Markdown; its own entities are `#quot;` and the like.
+/// A label for Mermaid, which interprets HTML and sometimes Markdown; its entities have the form `#quot;`.
 pub fn mermaid(text: &str) -> String {
     let mut out = String::new();
     for letter in line(text).chars() {

@@ -1,9 +1,9 @@
-//! Characters that act instead of being seen: controls, bidirectional formatting, separators and invisible
+//! Characters that have an effect but no glyph: controls, bidirectional formatting, separators and invisible
 //! letters.
 
-/// Characters beside the controls (`char::is_control`: C0, DEL and C1) that have no glyph of their own: the
-/// Unicode categories Cf, Zl and Zp, and the letters that are defined as invisible. Variation selectors only
-/// choose a glyph.
+/// Characters other than controls (`char::is_control`: C0, DEL and C1) that have no glyph: Unicode categories
+/// Cf, Zl and Zp, and letters defined as invisible. Variation selectors are not included: they only choose a
+/// glyph.
 const INVISIBLE: [(char, char); 17] = [
     ('\u{ad}', '\u{ad}'),       // soft hyphen
     ('\u{34f}', '\u{34f}'),     // combining grapheme joiner
@@ -24,21 +24,21 @@ const INVISIBLE: [(char, char); 17] = [
     ('\u{e0000}', '\u{e0fff}'), // tags
 ];
 
-/// Whether a character acts instead of being seen. Line breaks and tabs are such characters too.
+/// Whether a character has an effect but no glyph. Line breaks and tabs count too.
 pub fn is_hidden(letter: char) -> bool {
     letter.is_control()
         || (letter > '~' && INVISIBLE.iter().any(|(first, last)| (*first..=*last).contains(&letter)))
 }
 
-/// Writes a character as JSON and TOML do, `\u001b`, so that an escaped document means what it meant; beyond
-/// the basic plane as JSON does, in two halves.
+/// Escapes a character as in JSON and TOML, `\u001b`, so that a document keeps its meaning; characters beyond
+/// the basic plane as in JSON, by two surrogates.
 pub(super) fn write(out: &mut String, letter: char) {
     for unit in letter.encode_utf16(&mut [0; 2]) {
         out.push_str(&format!("\\u{unit:04x}"));
     }
 }
 
-/// A text with the hidden characters written out, but for those that may stay.
+/// Escapes the hidden characters of a text, except those for which `stays` is true.
 pub(super) fn written_out(text: &str, stays: impl Fn(char) -> bool) -> String {
     let mut out = String::with_capacity(text.len() + 16);
     for letter in text.chars() {

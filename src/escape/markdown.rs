@@ -1,42 +1,39 @@
-//! Text in Markdown pages. Sentences may have code spans, emphasis and links to pages beside them; everything
-//! else that Markdown or HTML would act on (elements, images, other links, headings, tables, entities) is
-//! shown as it was written.
+//! Text in Markdown pages. Code spans, emphasis and links to neighbouring pages are allowed; all other
+//! Markdown and HTML (elements, images, other links, headings, tables, entities) is escaped.
 
 use super::hidden::{is_hidden, write};
 
-/// Where a text stands.
+/// The context of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Place {
     Paragraph,
-    /// Where `|` ends the cell, in code spans too.
+    /// A table cell, which `|` ends even in a code span.
     Cell,
 }
 
-/// A text in a paragraph, a heading or an item of a list.
+/// A text in a paragraph, heading or list item.
 pub fn inline(text: &str) -> String {
     sentence(text, Place::Paragraph)
 }
 
-/// A text in a cell of a table.
+/// A text in a table cell.
 pub fn cell(text: &str) -> String {
     sentence(text, Place::Cell)
 }
 
-/// A text within a fenced block or a code span that stands in the page: line breaks and backticks do not end
-/// it.
+/// A text for an existing fenced block or code span, without the line breaks and backticks that could end it.
 pub fn verbatim(text: &str) -> String {
     one_line(text).replace('`', "'")
 }
 
-/// A line within a fenced block, whose fence it does not close.
+/// A line within a fenced block, which does not close the fence.
 pub fn fenced(text: &str) -> String {
     let text = one_line(text);
     let closes = ["```", "~~~"].iter().any(|fence| text.trim_start().starts_with(fence));
     if closes { format!("\\{text}") } else { text }
 }
 
-/// A name as code in a sentence: whatever is in it, nothing of it ends the code or acts. A name without backquotes
-/// stands between two of them.
+/// A name as a code span that nothing in the name can end. Uses single backquotes if the name has none.
 pub fn code(name: &str) -> String {
     let name = one_line(name);
     let mut run = 0;
@@ -46,17 +43,17 @@ pub fn code(name: &str) -> String {
         longest = longest.max(run);
     }
     let fence = "`".repeat(longest + 1);
-    // A backquote at an end would join the fence.
+    // A backquote at either end would merge with the fence.
     let pad = if longest > 0 { " " } else { "" };
     format!("{fence}{pad}{name}{pad}{fence}")
 }
 
-/// The description of an image or the words of a link: no brackets of its own.
+/// The alternative text of an image or the text of a link; brackets are escaped.
 pub fn label(text: &str) -> String {
     inline(text).replace('[', "\\[").replace(']', "\\]").replace("\\\\[", "\\[").replace("\\\\]", "\\]")
 }
 
-/// The target of a link: a path beside the page.
+/// The target of a link: a relative path.
 pub fn target(path: &str) -> String {
     let mut out = String::new();
     for byte in path.bytes() {
@@ -68,7 +65,7 @@ pub fn target(path: &str) -> String {
     out
 }
 
-/// The hidden characters written out, line breaks and tabs as blanks.
+/// Escapes hidden characters; line breaks and tabs become spaces.
 fn one_line(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -96,7 +93,7 @@ fn sentence(text: &str, place: Place) -> String {
     out
 }
 
-/// What begins a block at the start of a line gets a backslash; the rest of the text.
+/// Escapes a block marker at the start of a line; returns the rest of the text.
 fn begun<'a>(text: &'a str, out: &mut String) -> &'a str {
     let rest = text.trim_start_matches(' ');
     out.push_str(&text[..text.len() - rest.len()]);
@@ -124,7 +121,7 @@ fn begun<'a>(text: &'a str, out: &mut String) -> &'a str {
     rest
 }
 
-/// A run of backticks: the code span that it opens, or the backticks themselves. How much was taken.
+/// Copies the code span that a run of backticks opens, or escapes the backticks. Returns the length consumed.
 fn backticks(rest: &str, place: Place, out: &mut String) -> usize {
     let run = rest.len() - rest.trim_start_matches('`').len();
     let Some(length) =
@@ -141,7 +138,7 @@ fn backticks(rest: &str, place: Place, out: &mut String) -> usize {
     length
 }
 
-/// The bytes of the code span that a run of backticks opens, if one of the same length closes it.
+/// Length in bytes of the code span that a run of backticks opens, if a run of the same length closes it.
 fn span(rest: &str, run: usize) -> Option<usize> {
     let mut at = run;
     while let Some(found) = rest[at..].find('`') {
@@ -155,10 +152,10 @@ fn span(rest: &str, run: usize) -> Option<usize> {
     None
 }
 
-/// A backslash with the mark that it already takes the meaning from.
+/// Handles a backslash and the punctuation that it escapes. Returns the length consumed.
 fn backslash(rest: &str, place: Place, out: &mut String) -> usize {
     match rest[1..].chars().next() {
-        // Renderers differ in whether `\\|` ends a cell.
+        // Renderers differ on whether `\\|` ends a cell.
         Some('|') if place == Place::Cell => {
             out.push_str("&#92;&#124;");
             2
@@ -175,7 +172,7 @@ fn backslash(rest: &str, place: Place, out: &mut String) -> usize {
             out.push('\\');
             1
         }
-        // What follows in the page is not to lose its meaning.
+        // The backslash must not escape what follows in the page.
         None => {
             out.push_str("&#92;");
             1
@@ -183,11 +180,11 @@ fn backslash(rest: &str, place: Place, out: &mut String) -> usize {
     }
 }
 
-/// A letter outside of code. How much was taken.
+/// Writes a character outside of code. Returns the length consumed.
 fn written(rest: &str, letter: char, place: Place, out: &mut String) -> usize {
     let after = &rest[letter.len_utf8()..];
     match letter {
-        // Only breaks the line, in a cell too.
+        // A line break is harmless, even in a cell.
         '<' if after.starts_with("br>") => {
             out.push_str("<br>");
             return 4;
@@ -208,7 +205,7 @@ fn written(rest: &str, letter: char, place: Place, out: &mut String) -> usize {
             return 2;
         }
         ']' if after.starts_with([':', '[']) => out.push_str("\\]"),
-        // GitHub makes links of addresses in plain text.
+        // GitHub turns bare addresses into links.
         ':' if after.starts_with("//") || out.ends_with("mailto") || out.ends_with("xmpp") => {
             out.push_str("\\:")
         }
@@ -222,14 +219,14 @@ fn written(rest: &str, letter: char, place: Place, out: &mut String) -> usize {
     letter.len_utf8()
 }
 
-/// Whether what follows `&` makes an entity of it.
+/// Whether the text after `&` makes it an entity.
 fn is_entity(after: &str) -> bool {
     let name = after.strip_prefix('#').unwrap_or(after);
     let end = name.find(|letter: char| !letter.is_ascii_alphanumeric());
     end.is_some_and(|end| end > 0 && name[end..].starts_with(';'))
 }
 
-/// Whether `(TARGET)` is a path beside the page, or a place in it.
+/// Whether `(TARGET)` is a relative path, or an anchor within it.
 fn leads_beside(after: &str) -> bool {
     let Some(target) =
         after.strip_prefix('(').and_then(|rest| rest.split_once(')')).map(|(target, _)| target)

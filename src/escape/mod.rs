@@ -1,6 +1,6 @@
-//! Texts of unknown origin, written so that they do nothing where they are shown: a summary, a joint's name
-//! or a manifest may hold terminal controls, markup or text that runs backwards. One file per outlet; each is
-//! applied where text leaves the program, not where it is composed.
+//! Escaping of untrusted text: a summary, joint name or manifest may contain terminal controls, markup or
+//! bidirectional text. There is one file per output format. Text is escaped where it leaves the program, not
+//! where it is composed.
 
 pub mod graph;
 mod hidden;
@@ -14,7 +14,7 @@ use std::path::Path;
 
 pub use hidden::is_hidden;
 
-/// A file's name as it stands between backquotes in a message: a backquote of its own does not end it there.
+/// A file name for use between backquotes in a message; escapes backquotes in the name.
 pub fn file(path: &Path) -> String {
     path.display().to_string().replace('`', "\\u0060")
 }

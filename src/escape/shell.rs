@@ -1,12 +1,12 @@
-//! Words of a command that a person copies into a shell.
+//! Arguments of a command that a person copies into a shell.
 
 use std::path::Path;
 
-/// A path as an argument: quoted where the shell needs it, and never taken for an option.
+/// A path as an argument: quoted if the shell needs it, and never parsed as an option.
 pub fn argument(path: &Path) -> String {
     let shown = path.to_string_lossy();
     let shown = if shown.starts_with('-') { format!("./{shown}") } else { shown.into_owned() };
-    // Only a path with a zero byte has no quotes, and no file has such a name.
+    // Only paths with a NUL byte cannot be quoted, and no file has such a name.
     shlex::try_quote(&shown).map(std::borrow::Cow::into_owned).unwrap_or_else(|_| shown.clone())
 }
 

@@ -1,13 +1,13 @@
-//! Text for terminals and logs: controls are written out (`\u001b`), colours are specforge's own.
+//! Text for terminals and logs: controls are escaped (`\u001b`), and only specforge sets colours.
 
 use std::borrow::Cow;
 
 use super::hidden::{self, is_hidden};
 
-/// What the runner of GitHub's workflows takes for a command anywhere in a line.
+/// GitHub's workflow runner interprets this as a command anywhere in a line.
 pub const COMMAND: &str = "##[";
 
-/// The colours of specforge's own words.
+/// Styles of specforge's own words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Style {
     /// The word `error`.
@@ -16,17 +16,17 @@ pub enum Style {
     Warning,
     /// The word `help`.
     Help,
-    /// What went well.
+    /// Success.
     Done,
-    /// A headline.
+    /// Headings.
     Bold,
-    /// What nobody chose.
+    /// Default values.
     Dim,
-    /// What a profile sets.
+    /// Values set by a profile.
     Yellow,
-    /// What a point of a sweep sets.
+    /// Values set by a point of a sweep.
     Magenta,
-    /// What the command line sets.
+    /// Values set on the command line.
     Cyan,
 }
 
@@ -46,7 +46,7 @@ impl Style {
     }
 }
 
-/// A text that may go to a terminal as it is: everything in it was escaped when it was added.
+/// Text that is safe for a terminal: everything in it was escaped when it was added.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Painted {
     text: String,
@@ -54,12 +54,12 @@ pub struct Painted {
 }
 
 impl Painted {
-    /// An empty text, which is coloured or not.
+    /// An empty text, with or without colours.
     pub fn new(colored: bool) -> Self {
         Self { text: String::new(), colored }
     }
 
-    /// Adds plain text, whose line breaks stay.
+    /// Adds plain text; keeps its line breaks.
     pub fn plain(mut self, text: &str) -> Self {
         self.text.push_str(&lines(text));
         self
@@ -87,7 +87,7 @@ impl Painted {
     }
 }
 
-/// A text on one line: line breaks and tabs are written out too. For names, paths and what else has no line
+/// Escapes a text for one line, including line breaks and tabs. For names, paths and other text without line
 /// breaks.
 pub fn line(text: &str) -> Cow<'_, str> {
     match text.contains(is_hidden) || text.contains(COMMAND) {
@@ -96,20 +96,20 @@ pub fn line(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// A character written out.
+/// An escaped character.
 pub fn written_out(letter: char) -> String {
     let mut out = String::new();
     hidden::write(&mut out, letter);
     out
 }
 
-/// The same with a line break, for a row of a listing. Line breaks at its begin stay.
+/// The same with a newline, for a row of a listing. Leading newlines are kept.
 pub fn one_line(text: &str) -> String {
     let rest = text.trim_start_matches('\n');
     format!("{}{}\n", &text[..text.len() - rest.len()], line(rest))
 }
 
-/// A text of any number of lines. No line is a command to the runner of GitHub's workflows, which reads them
+/// Escapes a text of any number of lines, including commands to GitHub's workflow runner, which reads them
 /// from any output (`::error::...`, `##[error]...`).
 pub fn lines(text: &str) -> Cow<'_, str> {
     let text = match text.contains(|letter| is_hidden(letter) && !is_layout(letter)) {

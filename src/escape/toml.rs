@@ -1,9 +1,9 @@
-//! Texts in TOML files that the program writes: strings, and comments from texts of other files.
+//! Text in TOML files that the program writes: strings, and comments quoted from other files.
 
 use super::hidden::is_hidden;
 use super::terminal;
 
-/// A text as a TOML string on one line. Hidden characters are written out, as TOML can.
+/// A text as a TOML string on one line, with escaped hidden characters.
 pub fn string(text: &str) -> String {
     if !text.contains(is_hidden) {
         return toml::Value::String(text.to_owned()).to_string();
@@ -22,7 +22,7 @@ pub fn string(text: &str) -> String {
     out
 }
 
-/// A text in a comment, which ends with its line.
+/// A text in a comment, on one line.
 pub fn comment(text: &str) -> String {
     terminal::line(text).into_owned()
 }

@@ -1,4 +1,4 @@
-//! Text in XML (figures, URDF, MJCF): no markup, and none of the characters that XML does not allow.
+//! Text in XML (figures, URDF, MJCF): escapes markup and characters that XML does not allow.
 
 use super::terminal::line;
 

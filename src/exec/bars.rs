@@ -1,6 +1,6 @@
-//! Progress for people at a terminal: one line per running stage, which never is wider than the terminal.
+//! Progress at a terminal: one line per running stage, never wider than the terminal.
 //!
-//! A training's line shows the course of its return in place of a bar:
+//! In place of a bar, a training's line shows its return over time:
 //! `⠹ tocabi_walk_torque  ▁▂▃▅▆▇▇██······  return 412     60 %   4117/s  32 min left`.
 
 use std::collections::BTreeMap;
@@ -14,9 +14,9 @@ use super::events::{Event, Events};
 use super::progress::{NAME_WIDTH, lock, told};
 use crate::escape::terminal;
 
-/// Columns of everything but the name and the curve.
+/// Columns that a line needs besides the name and the curve.
 const REST: usize = 48;
-/// Columns of a terminal that does not say how many it has.
+/// Assumed width of a terminal whose width is unknown.
 const COLUMNS: usize = 80;
 
 /// One line per running stage, for terminals.
@@ -27,15 +27,15 @@ pub struct Bars {
     colored: bool,
 }
 
-/// The line of a stage.
+/// The line of one stage.
 #[derive(Clone)]
 struct Row {
     bar: ProgressBar,
-    /// The return of a training so far, once there is one.
+    /// The return of a training so far; `None` until there is one.
     curve: Option<Curve>,
 }
 
-/// Widths that fit into the terminal.
+/// Column widths of a line that fits into the terminal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Layout {
     name: usize,
@@ -43,7 +43,7 @@ struct Layout {
 }
 
 impl Layout {
-    /// For a terminal of this many columns: the name and the curve share what the numbers leave.
+    /// Divides what the numbers leave of a terminal of this width between the name and the curve.
     fn of(columns: usize) -> Self {
         let free = columns.saturating_sub(REST).max(10);
         let name = (free * 3 / 5).min(NAME_WIDTH);
@@ -80,14 +80,14 @@ impl Bars {
                 "{{spinner}} {{prefix}}  {{bar:{width}}}  {{percent:>3}} %  {{speed}}  {{left}}"
             )));
             bar.set_length(total);
-            // The rate counts from here: a resumed stage does not start at zero.
+            // Measure the rate from here: a resumed stage does not start at zero.
             bar.set_position(done);
             bar.reset_eta();
         }
         bar.set_position(done);
     }
 
-    /// Takes the return of a training into its curve.
+    /// Adds the return of a training to its curve.
     fn measure(&self, stage: &str, values: &BTreeMap<String, f64>) {
         let Some(value) = values.get("return_mean") else { return };
         let mut rows = lock(&self.rows);
@@ -108,7 +108,7 @@ impl Bars {
     }
 
     fn print(&self, text: &str) {
-        // A terminal that went away is no reason to stop a training.
+        // A closed terminal must not stop a training.
         let _ = self.group.println(text);
     }
 }
@@ -151,7 +151,7 @@ fn speed(rate: f64) -> String {
     }
 }
 
-/// The time that is left, in its largest unit.
+/// The remaining time, in its largest unit.
 fn left(seconds: f64) -> String {
     match seconds {
         s if s < 0.5 => String::new(),
@@ -162,12 +162,12 @@ fn left(seconds: f64) -> String {
     }
 }
 
-/// A stage on its line: the arm alone for its learner, which is the one that everybody waits for.
+/// The name shown for a stage; a learner, the stage that takes longest, is shown by its arm alone.
 fn called(stage: &str) -> &str {
     stage.strip_suffix("/learner").unwrap_or(stage)
 }
 
-/// A name in exactly this many characters: what tells arms apart often stands at its end, so the middle goes.
+/// Fits a name to this many characters; cuts the middle, because names of arms often differ at the end.
 fn fitted(name: &str, width: usize) -> String {
     let letters: Vec<char> = name.chars().collect();
     if letters.len() <= width {
@@ -188,7 +188,7 @@ mod tests {
 
     use super::*;
 
-    /// A terminal that keeps what was written to it.
+    /// A terminal that records what is written to it.
     #[derive(Clone, Debug)]
     struct Paper {
         columns: u16,
@@ -234,7 +234,7 @@ mod tests {
         }
     }
 
-    /// What a terminal of this width is given of a training up to its half.
+    /// What a terminal of this width receives during the first half of a training.
     fn shown(columns: u16, name: &str) -> Vec<String> {
         let paper = Paper { columns, written: Arc::default() };
         let group = MultiProgress::with_draw_target(ProgressDrawTarget::term_like(Box::new(paper.clone())));

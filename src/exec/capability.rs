@@ -1,5 +1,5 @@
-//! Whether this build on this machine can work on a stage: asked before a run starts, so that nobody waits an
-//! hour to hear that a library is missing.
+//! Checks, before a run starts, whether this build can do a stage on this machine, so that a missing library
+//! is reported at once and not after an hour.
 
 use super::work::WorkError;
 use crate::deploy::torchscript;
@@ -13,8 +13,7 @@ use crate::plan::{Plan, Stage, StageKind};
 use crate::sim;
 use crate::spec::Section;
 
-/// What the work of a stage of the plan needs and is not there: a simulator or a library (R0005), a device
-/// (R0006).
+/// Fails if a stage needs a simulator or a library (R0005) or a device (R0006) that is not available.
 pub fn check(plan: &Plan, stage: &Stage) -> Result<(), WorkError> {
     let fields = Section::new(&stage.fields);
     if let StageKind::Learner | StageKind::FineTune = stage.kind {
@@ -37,7 +36,7 @@ pub fn check(plan: &Plan, stage: &Stage) -> Result<(), WorkError> {
     Ok(())
 }
 
-/// The simulator that the stage runs: one of its own, or else that of its environment.
+/// The simulator that the stage runs: its own, or else that of its environment.
 fn engine(plan: &Plan, stage: &Stage) -> Option<EngineName> {
     let fields = Section::new(&stage.fields);
     let own = match stage.kind {

@@ -1,7 +1,7 @@
-//! Files of an artefact that repeat what its stage or another of its files says, held against their source.
+//! Checks files of an artefact that duplicate its stage or another of its files against their source.
 //!
-//! Not here: a motion, which would have to be built again, and `controller.json`, `robot.xml` and
-//! TensorBoard's events, which no stage reads.
+//! Not checked: a motion, which would have to be rebuilt, and `controller.json`, `robot.xml` and the
+//! TensorBoard events, which no stage reads.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ use crate::plan::{Stage, StageKind};
 use crate::robot::Robot;
 use crate::spec::Table;
 
-/// Says which file of a stage's folder contradicts its source.
+/// Fails with the name of the first file in a stage's folder that contradicts its source.
 pub fn check(folder: &Path, stage: &Stage, depth: Depth) -> Result<(), String> {
     match (stage.kind, depth) {
         (StageKind::Export, _) => contract(folder),
@@ -28,7 +28,7 @@ pub fn check(folder: &Path, stage: &Stage, depth: Depth) -> Result<(), String> {
     }
 }
 
-/// A file of JSON, where the artefact has it.
+/// Reads a JSON file of the artefact; `None` if the artefact does not have it.
 fn json<T: DeserializeOwned>(folder: &Path, name: &str) -> Result<Option<T>, String> {
     let path = folder.join(name);
     if !path.exists() {
@@ -42,7 +42,7 @@ fn same(one: &Value, other: &Value) -> bool {
     canonical_json(one) == canonical_json(other)
 }
 
-/// The contract lies beside the policy for people and programs that do not read tensors.
+/// The contract next to the policy duplicates the one inside, for readers that cannot read tensors.
 fn contract(folder: &Path) -> Result<(), String> {
     let (Some(copy), Ok(bytes)) = (
         json::<Value>(folder, "contract.json")?,
@@ -78,7 +78,7 @@ fn summary(folder: &Path) -> Result<(), String> {
     }
 }
 
-/// The model is that of the recipe, with its payload.
+/// The model must be that of the recipe, with its payload.
 fn model(folder: &Path, stage: &Stage) -> Result<(), String> {
     let Some(copy) = json::<Robot>(folder, "robot.json")? else { return Ok(()) };
     let value = |robot: &Robot| serde_json::to_value(robot).unwrap_or_default();
@@ -93,7 +93,7 @@ struct Fields {
     fields: Table,
 }
 
-/// The blueprint is made of the stage's fields.
+/// The blueprint must be built from the stage's fields.
 fn environment(folder: &Path, stage: &Stage) -> Result<(), String> {
     let Some(Fields { fields }) = json(folder, "env.json")? else { return Ok(()) };
     let copy = Stage { fields: fields.into(), ..stage.clone() };

@@ -2,10 +2,10 @@
 
 /// Heights of a character.
 const BLOCKS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
-/// What is still to come.
+/// Work still to be done.
 const AHEAD: char = '·';
 
-/// A quantity over the whole of a work, in cells of equal width.
+/// A quantity over the course of a stage, in cells of equal width.
 #[derive(Clone, Debug)]
 pub struct Curve {
     /// Sum and number of the values in each cell.
@@ -18,7 +18,7 @@ impl Curve {
         Self { cells: vec![(0.0, 0); width.max(1)] }
     }
 
-    /// Adds a value that was measured when this share of the work, in (0, 1], was done.
+    /// Adds a value measured when this share of the work, in (0, 1], was done.
     pub fn add(&mut self, share: f64, value: f64) {
         if value.is_finite() {
             let last = self.cells.len() - 1;
@@ -28,8 +28,8 @@ impl Curve {
         }
     }
 
-    /// The curve from zero (or its least value, if that is below) to its greatest. What was not seen, because
-    /// the work was resumed, is blank.
+    /// The curve, scaled from zero (or its minimum, if negative) to its maximum. Cells without values, from
+    /// before the work was resumed, are blank.
     pub fn blocks(&self) -> String {
         let means: Vec<Option<f64>> =
             self.cells.iter().map(|(sum, count)| (*count > 0).then(|| sum / f64::from(*count))).collect();

@@ -1,6 +1,5 @@
-//! What a stage has cost so far: the wall and CPU time of its attempts that were interrupted or failed, kept
-//! in its scratch folder until one ends, so that a report tells the cost of a training and not that of its
-//! last part.
+//! Wall and CPU time of a stage's interrupted or failed attempts, kept in its scratch folder until an attempt
+//! succeeds, so that a report gives the cost of the whole training and not of its last part only.
 
 use std::path::Path;
 
@@ -12,7 +11,7 @@ use crate::{bounded, finite, safe_fs};
 /// The file's name in the scratch folder.
 const NAME: &str = "effort.json";
 
-/// Wall and CPU time of a stage, over attempts.
+/// Wall and CPU time of a stage, summed over attempts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Effort {
     /// Wall time in s.
@@ -22,19 +21,19 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// What earlier attempts have left; nothing where none has, or where what it left cannot be read: an
-    /// attempt that is killed tells no time.
+    /// The time spent by earlier attempts; zero if none was recorded or the file cannot be read. An attempt
+    /// that was killed records no time.
     pub fn spent(scratch: &Path) -> Self {
         let text = bounded::text(&scratch.join(NAME), bounded::WRITTEN).unwrap_or_default();
         serde_json::from_str(&text).unwrap_or_default()
     }
 
-    /// This and another's.
+    /// The sum of both.
     pub fn and(self, other: Self) -> Self {
         Self { wall_s: self.wall_s + other.wall_s, cpu_s: self.cpu_s + other.cpu_s }
     }
 
-    /// Leaves it to the next attempt, in one step.
+    /// Saves it for the next attempt, atomically.
     pub fn keep(self, scratch: &Path) -> Result<(), StoreError> {
         let (path, draft) = (scratch.join(NAME), scratch.join("effort.draft"));
         let text =

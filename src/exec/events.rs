@@ -14,22 +14,22 @@ use crate::escape::terminal;
 pub enum Event {
     /// A stage begins.
     StageStarted {
-        /// Its name.
+        /// The stage's name for people.
         stage: String,
-        /// Its key.
+        /// The stage's fingerprint.
         key: String,
-        /// Its kind.
+        /// The stage's kind.
         kind: String,
         /// Why it runs, one line per reason.
         reasons: Vec<String>,
     },
-    /// How far a stage is.
+    /// The progress of a stage.
     Progress {
-        /// Its name.
+        /// The stage's name for people.
         stage: String,
-        /// What is done, in the unit.
+        /// Amount done, in `unit`.
         done: u64,
-        /// What there is to do.
+        /// Total amount, in `unit`.
         total: u64,
         /// What is counted: `samples`, `episodes`.
         unit: String,
@@ -39,69 +39,69 @@ pub enum Event {
     },
     /// Numbers that a stage measured, for example one learner update.
     Metric {
-        /// Its name.
+        /// The stage's name for people.
         stage: String,
         /// Numbers by name.
         values: BTreeMap<String, f64>,
     },
-    /// A stage has its artefact.
+    /// The artefact of a stage is in the store.
     StageFinished {
-        /// Its name.
+        /// The stage's name for people.
         stage: String,
-        /// Its key.
+        /// The stage's fingerprint.
         key: String,
-        /// Whether it was there already.
+        /// Whether the artefact was in the store already.
         cached: bool,
         /// Wall time in s.
         wall_s: f64,
     },
-    /// A stage has no artefact.
+    /// A stage failed.
     StageFailed {
-        /// Its name.
+        /// The stage's name for people.
         stage: String,
-        /// Its key.
+        /// The stage's fingerprint.
         key: String,
-        /// The diagnostic's code, when there is one.
+        /// The diagnostic's code, if it has one.
         code: Option<String>,
         /// What happened.
         message: String,
-        /// What to do about it.
+        /// How to fix it.
         help: Option<String>,
     },
-    /// Something that the user should know and that stops nothing.
+    /// A problem that does not stop the run.
     Warning {
-        /// The stage that it is about, when it is about one.
+        /// The stage concerned, if it is about one.
         #[serde(skip_serializing_if = "Option::is_none", default)]
         stage: Option<String>,
-        /// The diagnostic's code, when there is one.
+        /// The diagnostic's code, if it has one.
         code: Option<String>,
-        /// What it is.
+        /// The text of the warning.
         message: String,
-        /// What to do about it.
+        /// How to fix it.
         #[serde(skip_serializing_if = "Option::is_none", default)]
         help: Option<String>,
     },
-    /// Something that happens as it should and that explains what follows.
+    /// An expected event that explains what follows.
     Note {
-        /// The stage that it is about.
+        /// The stage concerned.
         stage: String,
-        /// What it is.
+        /// The text of the note.
         message: String,
     },
     /// The run is over.
     RunFinished {
-        /// `ok`, `failed`, `interrupted` or `crashed`: a library ended the process.
+        /// `ok`, `failed`, `interrupted` or `crashed` (a library ended the process).
         outcome: String,
-        /// The report, when there is one.
+        /// The report, if there is one.
         report: Option<String>,
-        /// Stages that were worked on.
+        /// Stages that ran.
         worked: usize,
         /// Stages that were cached.
         cached: usize,
         /// Stages that failed or could not start.
         failed: usize,
-        /// The arms that fail their task in some evaluation: arm, evaluation, policies, how many of them
-        /// fail, and why.
+        /// The arms that fail their task in an evaluation: arm, evaluation, number of policies, how many of
+        /// them fail, and why.
         #[serde(default)]
         failing_arms: Vec<serde_json::Value>,
         /// Claims with their outcome.
@@ -111,13 +111,13 @@ pub enum Event {
     },
 }
 
-/// Takes events. Called from the threads of the works.
+/// A receiver of events, called from the threads of the stages.
 pub trait Events: Send + Sync {
-    /// Takes one.
+    /// Handles one event.
     fn emit(&self, event: Event);
 }
 
-/// Tells nobody.
+/// Discards all events.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silence;
 
@@ -139,12 +139,12 @@ impl<W: Write + Send> Events for JsonLines<W> {
     fn emit(&self, event: Event) {
         let line = serde_json::to_string(&event).expect("an event is plain data");
         let mut stream = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        // A reader that went away is no reason to stop a training.
+        // A closed pipe must not stop a training.
         let _ = writeln!(stream, "{}", terminal::line(&line)).and_then(|()| stream.flush());
     }
 }
 
-/// Keeps events, for tests and summaries.
+/// Collects events, for tests and summaries.
 #[derive(Debug, Default)]
 pub struct Record(Mutex<Vec<Event>>);
 

@@ -1,5 +1,5 @@
-//! What an artefact's manifest says more than once, and whether it agrees. The digest in a manifest proves
-//! only that nothing happened to it by accident: what was edited and sealed again is found here.
+//! Checks that redundant parts of a manifest agree. The manifest's digest only detects accidental damage;
+//! this also detects manifests that were edited and given a new digest.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +7,7 @@ use super::manifest::{FILE, Manifest};
 use crate::plan::StageKind;
 use crate::spec::{Table, Value};
 
-/// Checks a manifest found among the artefacts of a kind, beside these files.
+/// Checks a manifest against the kind it is stored under and the files found next to it.
 pub fn agrees(manifest: &Manifest, kind: StageKind, found: &[String]) -> Result<(), String> {
     let stage = &manifest.stage;
     if stage.kind != kind || stage.recipe.stage != kind.name() {
@@ -29,7 +29,7 @@ pub fn agrees(manifest: &Manifest, kind: StageKind, found: &[String]) -> Result<
     }
 }
 
-/// The path of a quantity whose text says another number.
+/// The path of a quantity whose text and number disagree.
 fn denied(table: &Table, above: &str) -> Option<String> {
     table.iter().find_map(|(key, value)| match value {
         Value::Quantity(quantity) if quantity.denies_its_number() => Some(format!("{above}{key}")),

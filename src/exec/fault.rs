@@ -1,5 +1,4 @@
-//! What can go wrong with the store and with what is copied out of it: kinds of faults with their codes and
-//! cures.
+//! Errors of the store and of copying reports out of it, with their codes and fixes.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -8,21 +7,21 @@ use super::mark::Flaw;
 use crate::finite::NotFinite;
 use crate::safe_fs::{self, Refused};
 
-/// A fault of the store.
+/// An error of the store.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
     /// The disk is full.
     #[error("the disk is full: cannot write {}", path.display())]
     Full {
-        /// What was to be written.
+        /// The path being written.
         path: PathBuf,
         /// What the system said.
         source: std::io::Error,
     },
-    /// A file would be larger than this process may make one.
+    /// A file would exceed this process's file size limit.
     #[error("the limit on the size of a file is reached: cannot write {}", path.display())]
     TooLarge {
-        /// What was to be written.
+        /// The path being written.
         path: PathBuf,
         /// What the system said.
         source: std::io::Error,
@@ -30,7 +29,7 @@ pub enum StoreError {
     /// The store cannot be written.
     #[error("the store cannot be written: {}: {source}", path.display())]
     Unwritable {
-        /// What was to be written.
+        /// The path being written.
         path: PathBuf,
         /// What the system said.
         source: std::io::Error,
@@ -38,12 +37,12 @@ pub enum StoreError {
     /// The store cannot be read.
     #[error("the store cannot be read: {}: {source}", path.display())]
     Unreadable {
-        /// What was to be read.
+        /// The path being read.
         path: PathBuf,
         /// What the system said.
         source: std::io::Error,
     },
-    /// An entry is not what its manifest says.
+    /// An entry does not match its manifest.
     #[error("the artefact in {} was damaged: {reason}", path.display())]
     Damaged {
         /// The entry.
@@ -58,7 +57,7 @@ pub enum StoreError {
         /// The link.
         path: PathBuf,
     },
-    /// A report has a file that is not its page, its record or one of its figures.
+    /// A report contains a file other than its page, its record and its figures.
     #[error("the report in {} has a file `{name}`, which is none of its own", path.display())]
     Foreign {
         /// The artefact.
@@ -74,42 +73,42 @@ pub enum StoreError {
         /// What is wrong with it.
         reason: String,
     },
-    /// A store's mark is damaged or of another layout.
+    /// A store's marker file is damaged or names another layout.
     #[error("the store {} cannot be used: {flaw}", path.display())]
     Mark {
         /// The store.
         path: PathBuf,
-        /// What is wrong with its mark.
+        /// What is wrong with the marker.
         flaw: Flaw,
     },
-    /// The journal does not prove what is unused.
+    /// The journal is not reliable enough to tell which artefacts are unused.
     #[error("the journal of {} does not prove what is unused: {reason}", path.display())]
     Journal {
         /// The store.
         path: PathBuf,
-        /// What is wrong with it.
+        /// What is wrong with the journal.
         reason: String,
     },
-    /// The user ended the wait for another process.
+    /// The user interrupted the wait for another process.
     #[error("interrupted")]
     Interrupted,
-    /// A result is not a number.
+    /// A result is NaN or infinite.
     #[error("{file}: {found}")]
     NotFinite {
         /// The file that was not written.
         file: String,
-        /// The number.
+        /// Which number it is.
         found: NotFinite,
     },
     /// A report cannot be copied out of the store.
     #[error("the report cannot be written: {}: {source}", path.display())]
     Unpublished {
-        /// What was to be written.
+        /// The path being written.
         path: PathBuf,
         /// What the system said.
         source: std::io::Error,
     },
-    /// Another fault of the file system.
+    /// Any other file system error.
     #[error("{}: {source}", path.display())]
     Io {
         /// The file.
@@ -120,7 +119,7 @@ pub enum StoreError {
 }
 
 impl StoreError {
-    /// The fault behind a failed write.
+    /// The error for a failed write.
     pub fn writing(path: &Path, source: std::io::Error) -> Self {
         if let Some(fault) = Self::refusal(&source) {
             return fault;
@@ -133,12 +132,12 @@ impl StoreError {
         }
     }
 
-    /// The fault behind a file of a report that cannot be written.
+    /// The error for a report file that cannot be written.
     pub fn publishing(path: &Path, source: std::io::Error) -> Self {
         Self::refusal(&source).unwrap_or_else(|| Self::Unpublished { path: path.to_owned(), source })
     }
 
-    /// A symbolic link that was not followed.
+    /// The error for a symbolic link that was not followed.
     fn refusal(source: &std::io::Error) -> Option<Self> {
         match safe_fs::refused(source)? {
             Refused::Link(path) => Some(Self::Link { path: path.clone() }),
@@ -146,7 +145,7 @@ impl StoreError {
         }
     }
 
-    /// The fault behind a failed read. Below a file there is no store at all, and none can be made.
+    /// The error for a failed read. If a parent of the path is a file, no store can exist there.
     pub fn reading(path: &Path, source: std::io::Error) -> Self {
         match source.kind() {
             ErrorKind::NotADirectory => Self::writing(path, source),
@@ -172,7 +171,7 @@ impl StoreError {
         }
     }
 
-    /// What to do about it.
+    /// How to fix it.
     pub fn help(&self) -> Option<&'static str> {
         match self {
             Self::Full { .. } => {

@@ -1,4 +1,4 @@
-//! Cleaning the store: what provably no named stage uses any more. A missing name proves nothing.
+//! Garbage collection: removes what is provably unused. Artefacts without a name may be in use.
 
 use std::collections::BTreeSet;
 use std::fs::{self, Metadata};
@@ -16,50 +16,49 @@ use super::store::Store;
 use crate::bounded;
 use crate::plan::{Fingerprint, StageKind};
 
-/// What may be removed.
+/// Selects what may be removed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Rules {
-    /// The youngest age of artefacts that go.
+    /// Minimum age of artefacts to remove.
     pub age: Duration,
-    /// Whether the checkpoints of stages that were not finished go too.
+    /// Whether checkpoints of unfinished stages are removed too.
     pub scratch: bool,
-    /// Whether a journal that is damaged or missing is taken as it is, and artefacts that it does not name
-    /// are unused.
+    /// Whether to trust a damaged or missing journal, so that artefacts it does not name count as unused.
     pub force: bool,
 }
 
-/// Something to be removed.
+/// An entry to remove.
 #[derive(Debug)]
 pub struct Waste {
-    /// What it is, for people.
+    /// A description for people.
     pub what: String,
-    /// Where it is.
+    /// Its path.
     pub path: PathBuf,
-    /// Bytes.
+    /// Size in bytes.
     pub size: u64,
-    /// Keeps a checkpoint from being worked on until it is gone.
+    /// Keeps other processes from using a checkpoint until it is removed.
     _lock: Option<Lock>,
 }
 
-/// What can go, and what is kept although nothing seems to use it.
+/// What to remove, and what is kept although it seems unused.
 #[derive(Debug, Default)]
 pub struct Cleaning {
-    /// What can go.
+    /// What to remove.
     pub waste: Vec<Waste>,
-    /// Old artefacts that no line of the journal names: nobody knows whether they are used.
+    /// Old artefacts that the journal does not name, so that it is unknown whether they are used.
     pub unnamed: usize,
-    /// Artefacts that running processes use and the journal does not need.
+    /// Artefacts that the journal does not need but running processes use.
     pub leased: usize,
-    /// The journal, where it has to be mended.
+    /// The journal and where to move it, if it must be repaired.
     mend: Option<(Journal, PathBuf)>,
-    /// Keeps runs from starting until everything is gone.
+    /// Keeps runs from starting until everything is removed.
     _closed: Option<Lock>,
 }
 
-/// What can go: artefacts that the journal names, that are not the present one of any named stage, were made
-/// before the age, and are used by no running process; damaged entries; and, if asked, the checkpoints of
-/// stages that no process works on. E0813 for a folder that is not a store, E0814 when the journal is no
-/// evidence.
+/// Finds what to remove: artefacts that the journal names, that are not the current one of any named stage,
+/// are older than the age and unused by running processes; damaged entries; and, if asked, checkpoints of
+/// stages that no process is running. E0813 if the folder is not a store, E0814 if the journal is not
+/// reliable.
 pub fn waste(store: &Store, rules: &Rules, wait: &Wait) -> Result<Cleaning, StoreError> {
     let root = store.root();
     match marker::identity(root)? {
@@ -90,7 +89,7 @@ pub fn waste(store: &Store, rules: &Rules, wait: &Wait) -> Result<Cleaning, Stor
     Ok(cleaning)
 }
 
-/// Why the journal does not say what is used; `None` when it does.
+/// Why the journal does not tell what is in use; `None` if it does.
 fn evidence(store: &Store, journal: &Journal) -> Result<Option<String>, StoreError> {
     let mut is_empty = true;
     for kind in StageKind::ALL {
@@ -135,21 +134,21 @@ fn artefacts(
     Ok(())
 }
 
-/// Whether it is the report of a run that had failures: such a one is shown once, and never found again.
+/// Whether it is the report of a run with failures: it is shown once and never found in the store again.
 fn is_partial_report(store: &Store, kind: StageKind, key: &Fingerprint) -> bool {
     let manifest = || store.manifest(kind, key).ok().flatten();
     kind == StageKind::Report
         && manifest().is_some_and(|found| found.stage.recipe.content.get("failures").is_some())
 }
 
-/// The checkpoint of a stage that no process works on or will, with its lock.
+/// The checkpoint of a stage that no process is running or has planned, with its lock.
 fn checkpoint(store: &Store, held: &BTreeSet<Fingerprint>, path: PathBuf) -> Option<Waste> {
     let key = Fingerprint::parse(&path.file_name()?.to_string_lossy()).filter(|key| !held.contains(key))?;
     let lock = lock::attempt(&store.lock_path(&key)).ok()??;
     Some(Waste { _lock: Some(lock), ..entry("checkpoint".into(), path) })
 }
 
-/// Removes the waste, and mends a journal that was overruled.
+/// Removes the waste, and repairs a journal that was overridden.
 pub fn remove(cleaning: &Cleaning, wait: &Wait) -> Result<(), StoreError> {
     for Waste { path, .. } in &cleaning.waste {
         let removed = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
@@ -161,8 +160,8 @@ pub fn remove(cleaning: &Cleaning, wait: &Wait) -> Result<(), StoreError> {
     journal.mend(&(1..).map(place).find(|path| !path.exists()).unwrap_or_else(|| place(0)), wait)
 }
 
-/// Whether an artefact was made after that age. The file's time and the manifest's must both be known and
-/// old: a time in the future, or none, proves no age.
+/// Whether an artefact is younger than that age. Both the file's time and the manifest's must be known and
+/// old: a missing time or one in the future proves no age.
 fn is_recent(folder: &Path, age: Duration) -> bool {
     let path = folder.join(manifest::FILE);
     let made = path.metadata().and_then(|metadata| metadata.modified());
@@ -171,7 +170,7 @@ fn is_recent(folder: &Path, age: Duration) -> bool {
     let text = bounded::text(&path, bounded::RECORD).ok();
     let finished =
         text.and_then(|text| Manifest::from_text(&text).ok()).map(|manifest| manifest.provenance.finished);
-    // Such texts sort as their times do.
+    // Such texts sort in the order of their times.
     let was_old = finished.is_some_and(|finished| finished.len() == limit.len() && finished <= limit);
     !(is_old && was_old)
 }
@@ -181,7 +180,7 @@ fn entry(what: String, path: PathBuf) -> Waste {
     Waste { what, path, size, _lock: None }
 }
 
-/// What lies in a folder of the store; nothing of what is a link.
+/// The entries of a folder of the store; none if the folder is a link.
 fn children(folder: &Path) -> Vec<PathBuf> {
     if !is_real(folder, Metadata::is_dir) {
         return Vec::new();
@@ -192,7 +191,7 @@ fn children(folder: &Path) -> Vec<PathBuf> {
     paths
 }
 
-/// Bytes of all files below a folder. Symlinks are not followed: they can lead out of it, and in circles.
+/// Size in bytes of all files below a folder. Symlinks, which can lead out or form cycles, are not followed.
 fn size(path: &Path) -> u64 {
     match path.symlink_metadata() {
         Ok(metadata) if metadata.is_dir() => children(path).iter().map(|child| size(child)).sum(),

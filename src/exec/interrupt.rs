@@ -1,7 +1,7 @@
-//! Interruption: while a command only reads and plans, Ctrl-C ends it; once it works, the first asks to stop
-//! and the second stops at once. Knows signals, nothing of works.
+//! Interruption. While a command only reads and plans, Ctrl-C ends it. While stages run, the first Ctrl-C
+//! requests a stop and the second stops at once.
 //!
-//! What a terminal that closes and the batch systems of clusters send asks to stop, too, and never twice.
+//! A closed terminal and the signals of batch systems also request a stop, but never force one.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
@@ -13,37 +13,35 @@ use signal_hook::iterator::Signals;
 /// The exit code of an interrupted run.
 pub const EXIT_CODE: i32 = 6;
 
-/// Signals this close to the first are its echo: who stops a process and its group (`timeout` does) signals
-/// it twice.
+/// Signals this close to the first are duplicates: `timeout`, for example, signals a process and its group,
+/// so the process receives two.
 const ECHO: Duration = Duration::from_millis(100);
 
-/// Signals that the system sends. Batch systems can be told to send SIGUSR1 or SIGUSR2 before a job's time is
-/// over.
+/// Signals sent by the system. Batch systems can be configured to send SIGUSR1 or SIGUSR2 before a job's time
+/// runs out.
 const SYSTEMS: [i32; 4] = [SIGHUP, SIGXCPU, SIGUSR1, SIGUSR2];
 
-/// How long a process that ends waits for its last words, which a reader that has stopped reading may hold
-/// up.
+/// How long an ending process waits for its last message, which a reader that stopped reading may block.
 const LAST_WORDS: Duration = Duration::from_millis(500);
 
-/// Whether the user wants to stop. Clones share one answer.
+/// Whether a stop was requested. Clones share the same flag.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt(Arc<State>);
 
 #[derive(Debug, Default)]
 struct State {
-    /// Whether somebody asked to stop.
+    /// Whether a stop was requested.
     asked: AtomicBool,
-    /// Whether there is work that must be stopped in order.
+    /// Whether stages are running, which must be stopped in order.
     working: AtomicBool,
 }
 
 impl Interrupt {
-    /// Listens to the signals that ask a program to end. Until [`Self::work`] is called there is nothing to
-    /// lose: the first says farewell and ends the process with exit code 6, whatever the command is at. After
-    /// it the first is remembered. Another Ctrl-C, SIGTERM or SIGQUIT, later than its echo, ends the process
-    /// with exit code 6; the store survives that, as artefacts are renamed into place whole. Of what the
-    /// system sends (a terminal that closes, a limit of CPU time, a batch system's warning) any number is
-    /// one: it comes more than once by itself.
+    /// Installs signal handlers. Until [`Self::work`] is called there is nothing to lose, so the first signal
+    /// prints `farewell` and ends the process with exit code 6. After that call, the first signal is
+    /// recorded; another Ctrl-C, SIGTERM or SIGQUIT that is not a duplicate ends the process with exit code
+    /// 6. The store survives that, because artefacts are renamed into place whole. Signals sent by the system
+    /// (closed terminal, CPU time limit, warning of a batch system) may repeat, so all of them count as one.
     pub fn listen(farewell: impl FnOnce() + Send + 'static) -> std::io::Result<Self> {
         let mut heard = vec![SIGINT, SIGTERM, SIGQUIT];
         heard.extend(SYSTEMS.into_iter().filter(|signal| *signal != SIGHUP || !is_ignored(SIGHUP)));
@@ -67,15 +65,15 @@ impl Interrupt {
         Ok(interrupt)
     }
 
-    /// From here on there is work: a signal asks to stop, and who works looks at [`Self::is_set`].
+    /// Marks that stages are running: a signal now requests a stop, and stages poll [`Self::is_set`].
     pub fn work(&self) {
         self.0.working.store(true, Ordering::SeqCst);
     }
 
-    /// Lets a write beyond `ulimit -f` fail as one on a full disk does; the signal would kill the process in
-    /// mid-write.
+    /// Makes a write beyond `ulimit -f` fail like one on a full disk; the signal would kill the process in
+    /// the middle of the write.
     pub fn outlive_file_size_limit() {
-        // SAFETY: ignoring a signal runs no code, and no other thread is there to change its disposition.
+        // SAFETY: ignoring a signal runs no code, and no other thread exists to change its disposition.
         unsafe { libc::signal(libc::SIGXFSZ, libc::SIG_IGN) };
     }
 
@@ -84,13 +82,13 @@ impl Interrupt {
         self.0.asked.load(Ordering::SeqCst)
     }
 
-    /// Asks to stop, as the first Ctrl-C does.
+    /// Requests a stop, as the first Ctrl-C does.
     pub fn set(&self) {
         self.0.asked.store(true, Ordering::SeqCst);
     }
 }
 
-/// Says farewell and ends the process. The farewell has a thread of its own: standard error may be blocked.
+/// Prints `farewell` and ends the process. A separate thread prints it because standard error may block.
 fn end(farewell: impl FnOnce() + Send + 'static) {
     let (said, heard) = mpsc::channel();
     let speaker = std::thread::Builder::new().name("farewell".into());
@@ -104,9 +102,9 @@ fn end(farewell: impl FnOnce() + Send + 'static) {
     signal_hook::low_level::exit(EXIT_CODE)
 }
 
-/// Whether whoever started the program has it ignore a signal, as `nohup` does with SIGHUP.
+/// Whether the parent process made this one ignore a signal, as `nohup` does with SIGHUP.
 fn is_ignored(signal: i32) -> bool {
-    // SAFETY: only reads the present disposition into a value of its type.
+    // SAFETY: only reads the current disposition into a value of its type.
     unsafe {
         let mut present: libc::sigaction = std::mem::zeroed();
         libc::sigaction(signal, std::ptr::null(), &raw mut present) == 0

@@ -1,6 +1,6 @@
-//! The journal: which artefact a named stage had, run after run. It lets `why` compare a stage with
-//! its own previous version rather than with a stranger of the same kind or of another suite, says what is in
-//! use, and remembers the attempts that ended their process.
+//! The journal: the artefacts that each named stage has had, run by run. With it, `why` compares a stage with
+//! its own previous version and not with an unrelated one of the same kind. It also records what is in use
+//! and which attempts ended their process.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -17,22 +17,22 @@ use super::store::Store;
 use crate::plan::why::{self, Previous};
 use crate::plan::{Cached, Fingerprint, History, Plan, Stage, StageKind, User};
 
-/// How many artefacts of a kind are looked through for the nearest one.
+/// How many artefacts of a kind are searched for the most similar one.
 const NEAREST_LIMIT: usize = 64;
 
 /// One line of the journal.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Line {
-    /// The run.
+    /// The run's identifier.
     pub run: String,
-    /// What the arm belongs to ([`Plan::scope`]); nothing in lines of before there was this.
+    /// What the arm belongs to ([`Plan::scope`]); empty in lines of earlier versions.
     #[serde(default)]
     pub scope: String,
     /// The arm.
     pub arm: String,
     /// The stage's name in that arm.
     pub stage: String,
-    /// Its kind.
+    /// The stage's kind.
     pub kind: StageKind,
     /// The artefact.
     pub fingerprint: Fingerprint,
@@ -49,15 +49,15 @@ pub struct CrashLine {
     pub code: String,
     /// What ended the process.
     pub message: String,
-    /// When, in UTC.
+    /// When it happened, in UTC.
     pub time: String,
-    /// The number of the process.
+    /// The process ID.
     pub process: u32,
 }
 
 impl CrashLine {
-    /// Adds the line to the journal of the store in this folder. A process that ends waits for nobody for
-    /// longer than moments: another thread of it may hold the journal's lock.
+    /// Appends the line to the journal of the store in this folder. An ending process waits only briefly for
+    /// the journal's lock, which another of its own threads may hold.
     pub fn note(&self, root: &Path) -> Result<(), StoreError> {
         const TRIES: usize = 20;
         let ended = Interrupt::default();
@@ -84,7 +84,7 @@ impl Line {
     }
 }
 
-/// A stage's name in its scope.
+/// A stage's name within its scope.
 type Name = (String, User);
 
 /// The journal of a store.
@@ -95,13 +95,13 @@ pub struct Journal {
     lines: Vec<Line>,
     crashes: Vec<CrashLine>,
     latest: BTreeMap<Name, Fingerprint>,
-    /// The lines of each name, by index.
+    /// Indices of the lines of each name.
     named: BTreeMap<Name, Vec<usize>>,
 }
 
 impl Journal {
-    /// Reads the journal. Lines that cannot be read are skipped, and [`Journal::health`] tells of them; a
-    /// journal that is there and cannot be read at all is an error.
+    /// Reads the journal. Unreadable lines are skipped and reported by [`Journal::health`]; it is an error if
+    /// the journal exists and cannot be read at all.
     pub fn open(store: &Store) -> Result<Self, StoreError> {
         let file = LineFile::new(store.root());
         let Contents { lines: texts, health, .. } = file.read()?;
@@ -113,13 +113,13 @@ impl Journal {
         Ok(Self { file, health, lines, crashes, latest, named })
     }
 
-    /// Whether what it says is all that was written.
+    /// Whether the journal is complete and unchanged.
     pub fn health(&self) -> &Health {
         &self.health
     }
 
-    /// Notes that a stage's artefact is in the store, for every name it has in that scope, where that is
-    /// news.
+    /// Records that a stage's artefact is in the store, under every name that the stage has in this scope,
+    /// unless the journal says so already.
     pub fn note(&mut self, run: &str, scope: &str, stage: &Stage, wait: &Wait) -> Result<(), StoreError> {
         let mut news = Vec::new();
         for user in &stage.users {
@@ -143,30 +143,30 @@ impl Journal {
         if news.is_empty() { Ok(()) } else { self.file.append(&news, wait) }
     }
 
-    /// Moves a journal aside that is not whole, and writes a whole one of the lines that can be read.
+    /// Moves an incomplete journal aside and writes a complete one from its readable lines.
     pub fn mend(&self, aside: &Path, wait: &Wait) -> Result<(), StoreError> {
         let lines = self.lines.iter().map(text).chain(self.crashes.iter().map(text));
         self.file.replace(aside, &lines.collect::<Vec<_>>(), wait)
     }
 
-    /// The attempts at a stage that ended their process, the earliest first.
+    /// The attempts at a stage that ended their process, earliest first.
     pub fn crashes<'a>(&'a self, key: &'a Fingerprint) -> impl Iterator<Item = &'a CrashLine> {
         self.crashes.iter().filter(|crash| crash.key == key.as_str())
     }
 
-    /// Every artefact that any line names.
+    /// All artefacts that the journal names.
     pub fn known(&self) -> impl Iterator<Item = &Fingerprint> {
         self.lines.iter().map(|line| &line.fingerprint)
     }
 
-    /// The present artefact of every named stage, and all of lines without a scope: which of them is still
-    /// one's own cannot be told.
+    /// The current artefact of every named stage, and all artefacts of lines without a scope: which of those
+    /// are still current is unknown.
     pub fn present(&self) -> impl Iterator<Item = &Fingerprint> {
         let unscoped = self.lines.iter().filter(|line| line.scope.is_empty());
         self.latest.values().chain(unscoped.map(|line| &line.fingerprint))
     }
 
-    /// Earlier artefacts under the names of a stage in that scope, the latest first, without its present one.
+    /// Earlier artefacts under the names of a stage in that scope, latest first, without the current one.
     fn earlier(&self, scope: &str, stage: &Stage) -> impl Iterator<Item = &Line> {
         let mut used: Vec<usize> = stage
             .users
@@ -181,7 +181,7 @@ impl Journal {
     }
 }
 
-/// A store and its journal, as a plan sees them.
+/// A store and its journal, as a plan uses them.
 #[derive(Debug)]
 pub struct Past<'a> {
     store: &'a Store,
@@ -190,12 +190,12 @@ pub struct Past<'a> {
 }
 
 impl<'a> Past<'a> {
-    /// The past of a plan's stages in a store; without a journal that can be read it has no named one.
+    /// The history of a plan's stages in a store; without a readable journal it names no stages.
     pub fn of(store: &'a Store, plan: &Plan) -> Self {
         Self { store, journal: Journal::open(store).unwrap_or_default(), scope: plan.scope() }
     }
 
-    /// The attempts at a stage that ended their process, the earliest first.
+    /// The attempts at a stage that ended their process, earliest first.
     pub fn crashes(&self, key: &Fingerprint) -> Vec<CrashLine> {
         self.journal.crashes(key).cloned().collect()
     }

@@ -1,5 +1,5 @@
-//! What a run leaves when a library ends the process: the failure of the stage, told as any other, kept in
-//! its scratch folder, where the next run finds it beside the checkpoint, and noted in the journal.
+//! What a run leaves behind when a library ends the process: the failure of the stage, reported like any
+//! other, saved in its scratch folder for the next run, and added to the journal.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -19,11 +19,11 @@ pub const CODE: &str = "R0010";
 /// The file's name in the scratch folder.
 const NAME: &str = "failure.json";
 
-/// What to do about it.
+/// How to fix it.
 pub const HELP: &str = "finished stages are in the store; run again to go on from the checkpoints, with \
     fewer `--jobs` or environments if memory ran out";
 
-/// Listens to crashes of a run; `store` is the folder of its store, when it has one.
+/// Handles crashes of a run; `store` is the folder of its store, if it has one.
 pub fn listen(store: Option<PathBuf>, events: Arc<dyn Events>, interrupt: &Interrupt) -> std::io::Result<()> {
     let (interrupt, start, last) = (interrupt.clone(), Instant::now(), events.clone());
     let told = move |crash: &Crash| tell(crash, store.as_deref(), events.as_ref());
@@ -37,7 +37,7 @@ fn tell(crash: &Crash, store: Option<&Path>, events: &dyn Events) {
         if let Some(store) = store.filter(|_| !key.is_empty()) {
             let path = store.join("scratch").join(key).join(NAME);
             let text = serde_json::json!({ "code": CODE, "message": crash.message }).to_string();
-            // That it cannot be kept must not hide what it is.
+            // Report the failure even if it cannot be saved.
             let _ = safe_fs::replace_through(&path.with_extension("draft"), &path, text.as_bytes());
         }
         let (stage, key, message) = (label.clone(), key.clone(), crash.message.clone());
@@ -49,7 +49,7 @@ fn tell(crash: &Crash, store: Option<&Path>, events: &dyn Events) {
             help: Some(HELP.into()),
         });
     }
-    // Last, because it reads the journal: it may be long, and memory may have run out.
+    // Last, because reading a long journal takes memory, which may have run out.
     let Some(store) = store.filter(|store| store.is_dir()) else { return };
     for Work { label, key } in works {
         let line = CrashLine {
@@ -64,8 +64,8 @@ fn tell(crash: &Crash, store: Option<&Path>, events: &dyn Events) {
     }
 }
 
-/// The last event of a run that a library ended. What was worked on or was there is known to a thread that
-/// may have been struck; the events before this one have told it.
+/// The last event of a run that a library ended. Only a thread that may have crashed knows which stages ran
+/// or were cached; the events before this one have reported them.
 fn finished(start: Instant) -> Event {
     Event::RunFinished {
         outcome: "crashed".into(),
@@ -79,7 +79,7 @@ fn finished(start: Instant) -> Event {
     }
 }
 
-/// What the last attempt at a stage ended with, when it ended the process; it is told once.
+/// Why the last attempt at a stage ended the process, if it did; reported only once.
 pub fn of_last_attempt(scratch: &Path) -> Option<String> {
     let path = scratch.join(NAME);
     let text = bounded::text(&path, bounded::WRITTEN).ok()?;

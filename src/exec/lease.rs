@@ -1,7 +1,7 @@
-//! Leases: what running processes use. A run leases every artefact of its plan until it has published its
-//! report, so that cleaning beside it takes nothing away.
+//! Leases mark what running processes use. A run leases every artefact of its plan until its report is
+//! published, so that a concurrent `cache gc` does not remove them.
 //!
-//! A lease is a file of keys in `leases/`, locked while it holds; it ends with the process, however that
+//! A lease is a file of keys in `leases/`, locked while it is valid. It ends with the process, however that
 //! ends.
 
 use std::collections::BTreeSet;
@@ -14,11 +14,10 @@ use super::lock::{self, Lock, Wait};
 use crate::bounded;
 use crate::plan::{Fingerprint, Plan};
 
-/// The lock of the whole store: shared for the moment in which a lease is taken, exclusive while artefacts
-/// are removed.
+/// The lock of the whole store: shared while a lease is being taken, exclusive while artefacts are removed.
 const STORE: &str = "locks/store";
 
-/// A lease that holds until it is dropped.
+/// A lease, valid until dropped.
 #[derive(Debug)]
 pub struct Lease {
     path: PathBuf,
@@ -31,7 +30,7 @@ impl Drop for Lease {
     }
 }
 
-/// Leases all artefacts of a plan; waits while artefacts are removed.
+/// Leases all artefacts of a plan; waits while artefacts are being removed.
 pub fn take(root: &Path, plan: &Plan, wait: &Wait) -> Result<Lease, StoreError> {
     static NUMBER: AtomicUsize = AtomicUsize::new(0);
     for folder in ["locks", "leases"].map(|name| root.join(name)) {
@@ -47,7 +46,7 @@ pub fn take(root: &Path, plan: &Plan, wait: &Wait) -> Result<Lease, StoreError> 
     Ok(lease)
 }
 
-/// Keeps new leases from being taken until it is dropped.
+/// Prevents new leases until dropped.
 pub fn close(root: &Path, wait: &Wait) -> Result<Lock, StoreError> {
     let path = root.join(STORE);
     let folder = root.join("locks");
@@ -55,8 +54,8 @@ pub fn close(root: &Path, wait: &Wait) -> Result<Lock, StoreError> {
     lock::exclusive(&path, wait)
 }
 
-/// The keys of all leases that hold. Those of processes that ended are removed; the caller has closed the
-/// store.
+/// The keys of all valid leases. Removes the leases of processes that ended; the caller must have called
+/// [`close`].
 pub fn held(root: &Path) -> Result<BTreeSet<Fingerprint>, StoreError> {
     let folder = root.join("leases");
     let entries = match folder.read_dir() {

@@ -1,5 +1,5 @@
-//! The journal's file: lines with digests that build a chain, and a seal that says how far it was written.
-//! Together they tell whether anything was edited, removed or cut off.
+//! The journal's file: lines with chained digests, and a seal that records how far it was written. Together
+//! they reveal whether anything was edited, removed or cut off.
 
 use std::fs;
 use std::io::{ErrorKind, Write};
@@ -17,14 +17,14 @@ const JOURNAL: &str = "journal.jsonl";
 /// Its seal.
 const SEAL: &str = "journal.seal";
 
-/// Whether a journal is all that was written.
+/// Whether a journal is complete and unchanged.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Health {
     /// It is.
     Whole,
-    /// Its first lines are of a version that wrote none of the digests.
+    /// It is, but its first lines are from a version that wrote no digests.
     Unchecked,
-    /// Neither it nor its seal is there. A store without artefacts has none yet.
+    /// Both the journal and its seal are missing, as in a store without artefacts.
     #[default]
     Absent,
     /// It is not, for this reason.
@@ -34,11 +34,11 @@ pub enum Health {
 /// What a journal holds.
 #[derive(Debug, Default)]
 pub struct Contents {
-    /// The lines without their digests, whether or not these fit.
+    /// The lines without their digests, whether or not the digests match.
     pub lines: Vec<String>,
-    /// Whether they are all.
+    /// Whether the journal is complete.
     pub health: Health,
-    /// Bytes of the complete lines.
+    /// Length of the complete lines in bytes.
     end: usize,
     /// What the next line's digest covers.
     chain: String,
@@ -47,9 +47,9 @@ pub struct Contents {
 /// How far the journal was written.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Seal {
-    /// Bytes.
+    /// Length in bytes.
     bytes: usize,
-    /// The digest of the last line, or that from which the chain begins.
+    /// The digest of the last line, or the start of the chain in an empty journal.
     check: String,
 }
 
@@ -60,7 +60,7 @@ pub struct LineFile {
 }
 
 impl LineFile {
-    /// Those of the store in this folder.
+    /// The files of the store in this folder.
     pub fn new(root: &Path) -> Self {
         Self { root: root.to_owned() }
     }
@@ -75,13 +75,13 @@ impl LineFile {
         let seal = Seal { bytes: 0, check: lines::begin(b"") };
         let text = serde_json::to_string(&seal).expect("a seal is plain data");
         match safe_fs::create(&path, text.as_bytes()) {
-            // Another process began the same store.
+            // Another process is creating the same store.
             Err(error) if error.kind() == ErrorKind::AlreadyExists => Ok(()),
             written => written.map_err(|error| StoreError::writing(&path, error)),
         }
     }
 
-    /// Everything in it.
+    /// Reads everything in it.
     pub fn read(&self) -> Result<Contents, StoreError> {
         let path = self.path();
         for own in [&path, &self.root.join(SEAL)] {
@@ -101,8 +101,8 @@ impl LineFile {
         Ok(contents(&bytes.unwrap_or_default(), seal))
     }
 
-    /// Adds lines in one write. Where a crash has torn the last line, they take its place. A journal that is
-    /// not whole stays so: its seal is left as it is.
+    /// Appends lines in one write, overwriting a last line that a crash left incomplete. The seal of a
+    /// damaged journal is not updated, so that the damage stays visible.
     pub fn append(&self, news: &[String], wait: &Wait) -> Result<(), StoreError> {
         let (path, locks) = (self.path(), self.root.join("locks"));
         let fault = |error| StoreError::writing(&path, error);
@@ -153,7 +153,7 @@ fn torn() -> Health {
     Health::Damaged("its last line is cut off".into())
 }
 
-/// The lines of a journal. `seal` is `None` without one, `Some(None)` when it cannot be read.
+/// Parses a journal. `seal` is `None` if missing, `Some(None)` if unreadable.
 fn contents(bytes: &[u8], seal: Option<Option<Seal>>) -> Contents {
     let mut found = Contents { chain: lines::begin(b""), ..Contents::default() };
     let (mut damage, mut checked, mut unchecked) = (None, 0, 0);
@@ -252,7 +252,7 @@ mod tests {
         for (what, changed) in changes {
             fs::write(&journal, &changed).expect("it can be written");
             assert!(matches!(read(&whole).1, Health::Damaged(_)), "{what}");
-            // Lines that are added later do not heal it.
+            // Lines added later do not repair it.
             whole.append(&[BODIES[0].to_owned()], &Wait::default()).expect("it can be written");
             assert!(matches!(read(&whole).1, Health::Damaged(_)), "{what}, with a line more");
         }
@@ -290,7 +290,7 @@ mod tests {
         assert_eq!(read(&old), (BODIES.map(str::to_owned).to_vec(), Health::Unchecked));
         old.append(&[BODIES[0].to_owned()], &Wait::default()).expect("it can be written");
         assert_eq!(read(&old).1, Health::Unchecked);
-        // From now on they cannot be changed without notice.
+        // From now on they cannot be changed unnoticed.
         let text = fs::read_to_string(&journal).expect("written");
         fs::write(&journal, text.replacen("\"n\":1", "\"n\":9", 1)).expect("it can be written");
         assert!(matches!(read(&old).1, Health::Damaged(_)));

@@ -1,17 +1,17 @@
-//! Lines of JSON with a digest each, for files that grow line by line. A digest covers what stands before it
-//! too, so a line that was edited, removed, added or moved is found with the first line that follows it.
+//! JSON lines with chained digests, for files that grow line by line. Each digest also covers all lines
+//! before it, so an edited, removed, added or moved line is detected at the first line that follows it.
 
-/// Digits of a digest.
+/// Hex digits of a digest.
 const DIGITS: usize = 32;
-/// What stands before the digest of a line.
+/// Separates a line's JSON from its digest.
 const KEY: &str = ",\"check\":\"";
 
-/// The digest of a text from which a chain of lines begins.
+/// The digest of a text, as the start of a chain of lines.
 pub fn begin(text: &[u8]) -> String {
     short(blake3::Hasher::new_derive_key("specforge lines, begin v1").update(text))
 }
 
-/// The digest of a line: a JSON object without its digest, after everything that `before` stands for.
+/// The digest of a line's JSON (without its digest) and, through `before`, of everything before it.
 fn after(before: &str, body: &str) -> String {
     let mut hasher = blake3::Hasher::new_derive_key("specforge lines, next v1");
     short(hasher.update(before.as_bytes()).update(b"\n").update(body.as_bytes()))
@@ -21,14 +21,14 @@ fn short(hasher: &blake3::Hasher) -> String {
     hasher.finalize().to_hex()[..DIGITS].to_owned()
 }
 
-/// The line of a JSON object with its digest, which the next line takes as `before`.
+/// Adds the digest to a line of JSON; also returns the digest, which is `before` for the next line.
 pub fn seal(before: &str, body: &str) -> (String, String) {
     let digest = after(before, body);
     let open = body.strip_suffix('}').unwrap_or(body);
     (format!("{open}{KEY}{digest}\"}}"), digest)
 }
 
-/// The JSON object of a line and its digest, whether or not it fits; `None` for a line without a digest.
+/// Splits a line into JSON and digest without checking the digest; `None` for a line without a digest.
 pub fn split(line: &str) -> Option<(String, &str)> {
     let rest = line.strip_suffix("\"}")?;
     let (open, digest) = rest.split_at_checked(rest.len().checked_sub(DIGITS)?)?;
@@ -37,7 +37,7 @@ pub fn split(line: &str) -> Option<(String, &str)> {
     Some((format!("{open}}}"), digest))
 }
 
-/// The JSON object of a line whose digest fits, with that digest.
+/// The JSON of a line and its digest; `None` if the digest does not match.
 pub fn open<'a>(before: &str, line: &'a str) -> Option<(String, &'a str)> {
     split(line).filter(|(body, digest)| after(before, body) == *digest)
 }

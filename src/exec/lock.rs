@@ -1,7 +1,7 @@
-//! Locks on fingerprints: of two runs that want one artefact, one works and the other waits.
+//! Locks on fingerprints: if two runs need the same artefact, one makes it and the other waits.
 //!
-//! A lock is an advisory `flock` on a file; it ends with the process, however that ends. The file holds the
-//! number of the process that took it last, for those who wait.
+//! A lock is an advisory `flock` on a file and ends with the process, however that ends. The file contains
+//! the ID of the process that took it last, for messages to waiting users.
 
 use std::fs::File;
 use std::io::Write;
@@ -17,51 +17,51 @@ use super::interrupt::Interrupt;
 use super::progress::span;
 use crate::bounded;
 
-/// How often a waiting run asks again.
+/// Polling interval of a waiting run.
 const POLL: Duration = Duration::from_millis(50);
-/// How long a lock that is held for moments may be awaited before the user is told.
+/// How long to wait silently for a lock that is normally held only briefly.
 const MOMENT: Duration = Duration::from_secs(1);
-/// Who holds a lock that does not say it.
+/// Name for a lock holder whose process ID is unknown.
 const UNKNOWN: &str = "another process";
 
-/// How a process waits for a lock that another one holds: what ends the wait, and who is told of it, once.
+/// How to wait for a lock held by another process: what ends the wait, and how to report it (once).
 #[derive(Clone, Copy, Default)]
 pub struct Wait<'a> {
-    /// Ends the wait when it is set; without it only a signal that ends the process does.
+    /// Ends the wait when set. Without it, only a signal that ends the process does.
     pub interrupt: Option<&'a Interrupt>,
-    /// Is told who holds the lock and for how long: `process 1234 (for 2 min 5 s)`, or `another process`
-    /// where its number is unknown.
+    /// Called with the lock's holder and for how long it has held it: `process 1234 (for 2 min 5 s)`, or
+    /// `another process` if its ID is unknown.
     pub tell: Option<&'a dyn Fn(&str)>,
 }
 
-/// A lock that is held until it is dropped.
+/// A lock, held until dropped.
 #[derive(Debug)]
 pub struct Lock {
     _file: File,
 }
 
-/// Takes the lock, or says that another process has it.
+/// Takes the lock; `None` if another process holds it.
 pub fn attempt(path: &Path) -> Result<Option<Lock>, StoreError> {
     taken(path, FlockOperation::NonBlockingLockExclusive)
 }
 
-/// Takes a lock that is held for moments only; [`StoreError::Interrupted`] when the wait for it was ended.
+/// Takes a lock that is held only briefly; [`StoreError::Interrupted`] if the wait is interrupted.
 pub fn exclusive(path: &Path, wait: &Wait) -> Result<Lock, StoreError> {
     patient(path, FlockOperation::NonBlockingLockExclusive, MOMENT, wait)
 }
 
-/// The same, beside others who take it so.
+/// As [`exclusive`], but shared with other shared locks.
 pub fn shared(path: &Path, wait: &Wait) -> Result<Lock, StoreError> {
     patient(path, FlockOperation::NonBlockingLockShared, MOMENT, wait)
 }
 
-/// Takes a lock that is held for as long as a stage takes; the wait is told at once.
+/// Takes a lock that is held as long as a stage runs; a wait is reported at once.
 pub fn lasting(path: &Path, wait: &Wait) -> Result<Lock, StoreError> {
     patient(path, FlockOperation::NonBlockingLockExclusive, Duration::ZERO, wait)
 }
 
-/// Takes the lock of a folder, which is held for moments only; none where the folder or its file system has
-/// no locks.
+/// Takes the lock of a folder, which is held only briefly; `None` if the folder is missing or its file system
+/// does not support locks.
 pub fn folder(path: &Path, wait: &Wait) -> Result<Option<Lock>, StoreError> {
     let Ok(file) = File::open(path) else { return Ok(None) };
     let mut file = Some(file);
@@ -82,7 +82,7 @@ fn patient(
     awaited(|| taken(path, operation), || holder(path), silent, wait)
 }
 
-/// Asks for something again and again until it is there. Who holds it is told after the silence, once.
+/// Retries until the attempt succeeds. Reports the holder once, after the time `silent`.
 fn awaited<T>(
     mut attempt: impl FnMut() -> Result<Option<T>, StoreError>,
     holder: impl Fn() -> String,
@@ -107,13 +107,13 @@ fn awaited<T>(
 }
 
 fn taken(path: &Path, operation: FlockOperation) -> Result<Option<Lock>, StoreError> {
-    // Not blocking: a named pipe in the place of the file would wait for a reader.
+    // Non-blocking: opening a named pipe in place of the file would wait for a reader.
     let flags = (OFlags::NOFOLLOW | OFlags::NONBLOCK).bits().cast_signed();
     let opened = File::options().create(true).append(true).custom_flags(flags).open(path);
     let mut file = opened.map_err(|error| StoreError::writing(path, error))?;
     match flock(&file, operation) {
         Ok(()) => {
-            // Who holds it is told to others only: a full disk is no reason not to take it.
+            // The process ID only informs others, so take the lock even if a full disk prevents writing it.
             let _ = file.set_len(0).and_then(|()| writeln!(file, "{}", std::process::id()));
             Ok(Some(Lock { _file: file }))
         }
@@ -122,8 +122,7 @@ fn taken(path: &Path, operation: FlockOperation) -> Result<Option<Lock>, StoreEr
     }
 }
 
-/// Who holds the lock, in words. A number of which no process runs is of one that ended, or of another
-/// machine.
+/// Describes who holds the lock. If no process has the ID, its process has ended or is on another machine.
 fn holder(path: &Path) -> String {
     let text = bounded::text(path, bounded::WRITTEN).unwrap_or_default();
     let number = text.lines().last().and_then(|line| line.parse().ok()).and_then(Pid::from_raw);
@@ -133,8 +132,8 @@ fn holder(path: &Path) -> String {
     }
 }
 
-/// For how long a lock has been held: its holder wrote its number when it took it. Nothing below a second,
-/// and nothing where the clock was set back since then.
+/// How long the lock has been held, from the time its holder wrote its process ID. Empty below one second, or
+/// if the clock was set back since then.
 fn held(path: &Path) -> String {
     let since = std::fs::metadata(path).and_then(|found| found.modified()).ok();
     let seconds = since.and_then(|since| since.elapsed().ok()).map_or(0.0, |elapsed| elapsed.as_secs_f64());
@@ -160,7 +159,7 @@ mod tests {
         let wait = Wait { interrupt: Some(&interrupt), tell: Some(&tell) };
         for lock in [exclusive, shared, lasting] {
             let wait = Wait { tell: Some(&tell), ..wait };
-            // Of another test's interruption nothing is left.
+            // The interruption of another test leaves nothing behind.
             assert!(matches!(lock(&path, &wait), Err(StoreError::Interrupted)));
         }
         let own = format!("process {}", std::process::id());

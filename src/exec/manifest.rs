@@ -15,7 +15,7 @@ use crate::safe_fs;
 /// The name of the manifest in an artefact's folder.
 pub const FILE: &str = "manifest.json";
 
-/// What is known of a stored artefact.
+/// Description of a stored artefact.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     /// The stage that made it, with its recipe, fields and origins.
@@ -24,7 +24,7 @@ pub struct Manifest {
     pub files: Vec<FileRecord>,
     /// How it was made.
     pub provenance: Provenance,
-    /// The files that it had when it was made, if only a part of it was restored from the record of a run.
+    /// The files that it had when it was made, if only some of them were restored from the record of a run.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub originals: Vec<FileRecord>,
 }
@@ -34,13 +34,13 @@ pub struct Manifest {
 pub struct FileRecord {
     /// Path in the artefact's folder, with `/`.
     pub path: String,
-    /// Bytes.
+    /// Size in bytes.
     pub size: u64,
     /// BLAKE3 of the content.
     pub blake3: String,
 }
 
-/// How an artefact was made. Nothing of it enters a fingerprint.
+/// How an artefact was made. Does not affect the fingerprint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
     /// Version of specforge.
@@ -51,14 +51,14 @@ pub struct Provenance {
     pub finished: String,
     /// Cores of the machine.
     pub cores: usize,
-    /// Wall time in s of the attempt that finished it and of those before it that were interrupted or failed.
+    /// Wall time in s of the successful attempt and of interrupted or failed ones before it.
     pub wall_s: f64,
-    /// CPU time in s of those attempts; stages that ran at once share the process's time by threads.
+    /// CPU time in s of these attempts; concurrent stages divide the process's time by their threads.
     pub cpu_s: f64,
 }
 
 impl Provenance {
-    /// The provenance of something finished now.
+    /// The provenance of an artefact finished now.
     pub fn now(effort: Effort) -> Self {
         Self {
             tool: env!("CARGO_PKG_VERSION").into(),
@@ -71,7 +71,7 @@ impl Provenance {
     }
 }
 
-/// How closely to look at an artefact.
+/// How thoroughly to check an artefact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Depth {
     /// Manifest, sizes, and the digests of files below 16 MiB.
@@ -94,21 +94,21 @@ impl Manifest {
         Ok(Self { stage: stage.clone(), files, provenance, originals: Vec::new() })
     }
 
-    /// Whether a file of the artefact as it was made is missing: it serves a report, and no stage that needs
-    /// weights.
+    /// Whether files of the original artefact are missing: it is enough for a report, but not for a stage
+    /// that needs the weights.
     pub fn is_reduced(&self) -> bool {
         let is_missing = |original: &FileRecord| self.files.iter().all(|file| file.path != original.path);
         self.originals.iter().any(|original| original.path.ends_with(".safetensors") && is_missing(original))
     }
 
-    /// The manifest's text: JSON with a digest of itself.
+    /// The manifest as JSON with its own digest.
     pub fn to_text(&self) -> String {
         let mut json = serde_json::to_value(self).expect("a manifest is plain data");
         json["digest"] = blake3::hash(canonical_json(&json).as_bytes()).to_hex().to_string().into();
         serde_json::to_string_pretty(&json).expect("JSON can be written")
     }
 
-    /// Reads a manifest and checks that it is whole.
+    /// Parses a manifest and checks its digest.
     pub fn from_text(text: &str) -> Result<Self, String> {
         let mut json: serde_json::Value =
             serde_json::from_str(text).map_err(|error| format!("{FILE} is not JSON: {error}"))?;

@@ -1,5 +1,5 @@
-//! Whether a folder is a store. A new one is marked; one of before there were marks is recognised by what it
-//! holds. Commands that delete touch no other folder.
+//! Tells whether a folder is a store. New stores have a marker file; older ones are recognised by their
+//! content. Commands that delete only touch stores.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,11 +10,11 @@ use super::mark::{FILE, Flaw, LAYOUT};
 use crate::plan::{Fingerprint, StageKind};
 use crate::{bounded, safe_fs};
 
-/// What its first line says before the number of the layout.
+/// Start of the marker's first line; the layout number follows.
 const TITLE: &str = "A store of specforge, layout ";
-/// Folders of a store beside those of the kinds of stages.
+/// Folders of a store besides those of the stage kinds.
 pub const FOLDERS: [&str; 5] = ["tmp", "scratch", "locks", "leases", "damaged"];
-/// Its files.
+/// Files of a store.
 pub const FILES: [&str; 4] = [FILE, ".gitignore", "journal.jsonl", "journal.seal"];
 
 /// What a folder is.
@@ -24,20 +24,19 @@ pub enum Identity {
     Absent,
     /// It was created as a store.
     Marked,
-    /// A store of a version that did not mark stores: everything in it belongs to one.
+    /// A store of a version without marker files: everything in it belongs to a store.
     Unmarked,
-    /// It holds something else, or nothing.
+    /// It contains something else, or nothing.
     Other {
         /// Why it is not a store.
         reason: String,
-        /// Whether nothing in it belongs to somebody else: an empty folder, or a store that is just being
-        /// made.
+        /// Whether it contains nothing foreign: an empty folder, or a store that is being created.
         vacant: bool,
     },
 }
 
-/// Whether the folder is marked as a store. E0815 when the mark is damaged or of another layout: what else is
-/// in the folder proves nothing then.
+/// Whether the folder is marked as a store. E0815 if the marker is damaged or names another layout, whatever
+/// else is in the folder.
 pub fn is_marked(root: &Path) -> Result<bool, StoreError> {
     let path = root.join(FILE);
     if !is_real(&path, fs::Metadata::is_file) {
@@ -51,7 +50,7 @@ pub fn is_marked(root: &Path) -> Result<bool, StoreError> {
     }
 }
 
-/// The layout that a mark names in its first line, which ends with a full stop and a line break.
+/// Reads the layout from a marker's first line, which ends with a full stop and a line break.
 fn layout(text: &str) -> Result<u32, Flaw> {
     let damaged = |reason: &str| Flaw::Damaged(reason.to_owned());
     let (first, _) = text.split_once('\n').ok_or_else(|| damaged("its first line is cut off"))?;
@@ -61,7 +60,7 @@ fn layout(text: &str) -> Result<u32, Flaw> {
     number.parse().ok().filter(|_| is_plain).ok_or_else(|| damaged("its layout is not a number"))
 }
 
-/// What the folder is. E0815 when its mark is damaged or of another layout.
+/// What the folder is. E0815 if its marker is damaged or names another layout.
 pub fn identity(root: &Path) -> Result<Identity, StoreError> {
     let entries = match root.read_dir() {
         Ok(entries) => entries,
@@ -101,20 +100,20 @@ pub fn mark(root: &Path) -> Result<(), StoreError> {
     safe_fs::replace_inside(root, FILE, text.as_bytes()).map_err(|error| StoreError::writing(&path, error))
 }
 
-/// Whether something is a store's own: no link, and a file or a folder as asked.
+/// Whether a path is of the expected type, file or folder, and not a symlink to one.
 pub fn is_real(path: &Path, kind: fn(&fs::Metadata) -> bool) -> bool {
     path.symlink_metadata().is_ok_and(|found| kind(&found))
 }
 
 /// What an entry of a folder would be in a store.
 enum Part {
-    /// A folder with as many artefacts.
+    /// A folder with this many artefacts.
     Artefacts(usize),
     /// Another part of a store.
     Known,
-    /// Nothing of a store.
+    /// Not part of a store.
     Strange,
-    /// Something that has the name of a part of a store and is none.
+    /// Named like a part of a store but of the wrong type.
     Wrong(PathBuf),
 }
 
@@ -143,7 +142,7 @@ fn part(path: &Path) -> Part {
     match FILES.contains(&name.as_str()) {
         true if is_real(path, fs::Metadata::is_file) => Part::Known,
         true => Part::Wrong(path.to_owned()),
-        // The mark of a store that another process makes just now.
+        // The marker of a store that another process is creating.
         false if safe_fs::is_draft(&name) && is_real(path, fs::Metadata::is_file) => Part::Known,
         false => Part::Strange,
     }
@@ -155,7 +154,7 @@ fn is_artefact(path: &Path) -> bool {
         && is_real(&path.join(manifest::FILE), fs::Metadata::is_file)
 }
 
-/// Whether something lies in one of [`FOLDERS`] as a store would put it there.
+/// Whether an entry of one of [`FOLDERS`] is what a store would put there.
 fn is_part_of(folder: &str, path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     match folder {
@@ -174,7 +173,7 @@ pub fn is_key(path: &Path) -> bool {
     path.file_name().is_some_and(|name| Fingerprint::parse(&name.to_string_lossy()).is_some())
 }
 
-/// Whether a path in `damaged/` is an entry that was moved there: `KIND-DIGITS-NUMBER`, or a journal.
+/// Whether an entry of `damaged/` was moved there by a store: `KIND-DIGITS-NUMBER`, or a journal.
 pub fn is_damaged(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let mut parts = name.split('-');
@@ -216,7 +215,7 @@ mod tests {
         other(true);
         write(root.join("learner").join(&key).join("manifest.json"));
         assert_eq!(identity(root).expect("readable"), Identity::Unmarked);
-        // Each of these is somebody else's.
+        // None of these belongs to a store.
         for path in [
             "holiday.jpg",
             "damaged/holiday.jpg",

@@ -1,4 +1,4 @@
-//! CPU time of stages that run side by side: the process's time, shared out by threads.
+//! CPU time of concurrent stages: the process's time, divided by their threads.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::bounded;
 use crate::plan::Fingerprint;
 
-/// Shares out CPU time.
+/// Divides CPU time among stages.
 #[derive(Debug, Default)]
 pub struct Meter {
     last: f64,
@@ -19,7 +19,7 @@ impl Meter {
         Self { last: process_cpu_seconds(), spent: BTreeMap::new() }
     }
 
-    /// Shares out the time since the last call among the stages that ran since then, by their threads.
+    /// Divides the time since the last call among the stages that ran since then, in proportion to threads.
     pub fn share(&mut self, running: &[(Fingerprint, usize)]) {
         let now = process_cpu_seconds();
         let elapsed = now - std::mem::replace(&mut self.last, now);
@@ -35,12 +35,12 @@ impl Meter {
     }
 }
 
-/// CPU time of this process in s, user and system; 0 where the system does not tell.
+/// User and system CPU time of this process in s; 0 if unavailable.
 pub fn process_cpu_seconds() -> f64 {
     /// Ticks per second of `/proc/self/stat`, fixed for user space on Linux.
     const TICKS: f64 = 100.0;
     let stat = bounded::text(Path::new("/proc/self/stat"), bounded::WRITTEN).unwrap_or_default();
-    // The command's name stands in parentheses and may hold spaces; utime and stime are fields 14 and 15.
+    // The command name is in parentheses and may contain spaces; utime and stime are fields 14 and 15.
     let fields = stat.rsplit_once(") ").map_or("", |(_, fields)| fields);
     let ticks = fields.split(' ').skip(11).take(2).filter_map(|field| field.parse::<f64>().ok());
     ticks.sum::<f64>() / TICKS

@@ -1,7 +1,6 @@
 //! Execution: the store, the scheduler, events, interruption and resume.
 //!
-//! Only [`store`] writes artefacts. What a stage does is a [`Work`], registered by kind; this module
-//! knows none of them.
+//! Only [`store`] writes artefacts. What a stage does is a [`Work`], registered by its kind.
 
 pub mod bars;
 pub mod capability;

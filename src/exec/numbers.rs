@@ -1,5 +1,5 @@
-//! Numbers of stored results that are NaN or infinite. What is stored now has none; what an earlier version
-//! stored has `null` in their place, which a reader would take for "not measured".
+//! Detects NaN and infinity in stored results. Results stored now contain neither; earlier versions stored
+//! `null` in their place, which a reader would take for "not measured".
 
 use std::path::Path;
 
@@ -13,14 +13,14 @@ use crate::kinds::motion::Motion;
 use crate::learn::file::is_finite;
 use crate::robot::Robot;
 
-/// Numbers of a training's update that need not be measured.
+/// Values of a training update that may be missing.
 const UNMEASURED: [&str; 3] = ["dead_units", "single_support", "reference_single_support"];
-/// Means over the episodes that ended in an update.
+/// Means over the episodes that ended during an update.
 const OF_EPISODES: [&str; 2] = ["return_mean", "length_mean_s"];
-/// What the summary of a training may lack.
+/// Values that the summary of a training may lack.
 const OF_SUMMARY: [&str; 3] = ["return_mean", "length_mean_s", "warnings"];
 
-/// Says which number of these files of a folder is not finite.
+/// Fails with the first non-finite number in these files of a folder.
 pub fn check<'a>(folder: &Path, files: impl Iterator<Item = &'a str>) -> Result<(), String> {
     for name in files {
         let bytes = match name {
@@ -37,12 +37,12 @@ pub fn check<'a>(folder: &Path, files: impl Iterator<Item = &'a str>) -> Result<
     Ok(())
 }
 
-/// The place of a number that is not finite.
+/// The location of a non-finite number in a file.
 fn broken(name: &str, bytes: &[u8]) -> Option<String> {
     if name.ends_with(".safetensors") {
         return (!is_finite(bytes)).then(|| "a weight".to_owned());
     }
-    // Almost all files have none, and need not be parsed.
+    // Almost no file contains `null`; skip parsing those without.
     if !bytes.windows(4).any(|window| window == b"null") {
         return None;
     }
@@ -54,7 +54,7 @@ fn broken(name: &str, bytes: &[u8]) -> Option<String> {
         "evaluation.json" => first_null(bytes, &["command"]),
         "summary.json" => first_null(bytes, &OF_SUMMARY),
         "pretrain.json" => first_null(bytes, &[]),
-        // What may be absent in these stands in their types.
+        // The types of these say what may be missing.
         "robot.json" => untyped::<Robot>(bytes),
         "motion.json" => untyped::<Motion>(bytes),
         "env.json" => untyped::<Blueprint>(bytes),
@@ -63,7 +63,7 @@ fn broken(name: &str, bytes: &[u8]) -> Option<String> {
     }
 }
 
-/// The number of an update that is not finite.
+/// The name of a non-finite number of an update.
 fn of_update(update: &Value) -> Option<String> {
     let ended = update.get("episodes").and_then(Value::as_u64).unwrap_or_default() > 0;
     let mut allowed = UNMEASURED.to_vec();
@@ -76,7 +76,7 @@ fn first_null(bytes: &[u8], allowed: &[&str]) -> Option<String> {
     null_in(&value, allowed).map(|place| format!("`{place}`"))
 }
 
-/// The path of the first `null` of a value, but of these keys of it.
+/// The path of the first `null` in a value, except under the allowed keys.
 fn null_in(value: &Value, allowed: &[&str]) -> Option<String> {
     match value {
         Value::Null => Some(String::new()),
@@ -97,7 +97,7 @@ fn below(step: &str, value: &Value) -> Option<String> {
     Some(if rest.is_empty() { step.to_owned() } else { format!("{step}.{rest}") })
 }
 
-/// Where a file is not of its type.
+/// Where a file does not match its type.
 fn untyped<T: DeserializeOwned>(bytes: &[u8]) -> Option<String> {
     serde_json::from_slice::<T>(bytes).err().map(|error| format!("a value ({error})"))
 }
@@ -111,7 +111,7 @@ mod tests {
     use crate::outcome::{Episode, Evaluation};
     use crate::stream::Stream;
 
-    /// What is wrong with a file of a value, as earlier versions wrote it.
+    /// What is wrong with a file of this value, as written by earlier versions.
     fn told<T: serde::Serialize>(name: &str, value: &T) -> Option<String> {
         broken(name, serde_json::to_string(value).expect("it can be written").as_bytes())
     }
@@ -140,7 +140,7 @@ mod tests {
         };
         assert_eq!(told("metrics.jsonl", &update(0, 0.0)), None);
         assert_eq!(told("metrics.jsonl", &update(0, f64::NAN)).as_deref(), Some("`value_loss` in line 1"));
-        // Episodes ended, so their mean return was measured.
+        // Episodes ended, so their mean return should have been measured.
         assert_eq!(told("metrics.jsonl", &update(2, 0.0)).as_deref(), Some("`return_mean` in line 1"));
     }
 

@@ -1,4 +1,4 @@
-//! One stage from lock to artefact: what `run` does for each stage and `stage` for one.
+//! Performs one stage, from lock to artefact: `run` does this for each stage, `stage` for one.
 
 use std::collections::BTreeMap;
 use std::panic::AssertUnwindSafe;
@@ -18,34 +18,34 @@ use super::work::{Failure, Job, Threads, WorkError, Works};
 use crate::crash;
 use crate::plan::{Cached, Fingerprint, Plan, Stage, StageKind};
 
-/// What all stages of a run have in common.
+/// What all stages of a run share.
 pub struct Workshop<'a> {
     /// The plan.
     pub plan: &'a Plan,
     /// The store.
     pub store: &'a Store,
-    /// What each kind does.
+    /// The implementation of each kind of stage.
     pub works: &'a Works,
-    /// Who is told.
+    /// Receives the events.
     pub events: &'a dyn Events,
-    /// Whether to stop.
+    /// Whether a stop was requested.
     pub interrupt: &'a Interrupt,
 }
 
 /// How a stage ended.
 #[derive(Debug)]
 pub enum Ending {
-    /// The artefact was there already, or another run made it meanwhile.
+    /// The artefact was there already, or another run made it in the meantime.
     Cached,
-    /// The artefact was made, in this wall time in s.
+    /// The artefact was made; wall time in s.
     Worked(f64),
-    /// The user interrupted it.
+    /// The user interrupted the stage.
     Interrupted,
-    /// It failed.
+    /// The stage failed.
     Failed(Failure),
 }
 
-/// A stage and what it is given.
+/// A stage to perform and its resources.
 pub struct Order<'a> {
     /// The stage.
     pub stage: &'a Stage,
@@ -53,15 +53,15 @@ pub struct Order<'a> {
     pub inputs: BTreeMap<String, (StageKind, Fingerprint)>,
     /// Its share of the machine.
     pub threads: Threads,
-    /// For a report: what failed.
+    /// For a report: the stages that failed.
     pub failures: &'a [Failure],
-    /// The CPU seconds that it has used when it is done.
+    /// Returns the CPU time that the stage has used so far, in s.
     pub cpu: &'a (dyn Fn() -> f64 + Sync),
 }
 
 impl Workshop<'_> {
-    /// Makes a stage's artefact unless it is there. Takes the fingerprint's lock, so that of two runs one
-    /// works and the other waits and then finds it.
+    /// Makes a stage's artefact unless it exists. Takes the fingerprint's lock, so that of two runs one makes
+    /// the artefact and the other waits and then finds it.
     pub fn perform(&self, order: &Order) -> Ending {
         match guarded(|| self.attempt(order)) {
             Ok(ending) => ending,
@@ -70,13 +70,13 @@ impl Workshop<'_> {
         }
     }
 
-    /// Tells something that stops nothing and has no code.
+    /// Emits a warning without a code.
     fn warn(&self, stage: Option<String>, message: String) {
         self.events.emit(Event::Warning { stage, code: None, message, help: None });
     }
 
-    /// Does something that may have to wait for a moment in which another process changes the store. Longer
-    /// waits are told and can be interrupted.
+    /// Runs something that may have to wait briefly while another process changes the store. Longer waits are
+    /// reported and can be interrupted.
     pub fn waiting<T>(&self, wanted: impl FnOnce(&Wait) -> T) -> T {
         let root = self.store.root().display();
         let tell = |who: &str| self.warn(None, format!("{who} has locked the store {root}; waiting for it"));
@@ -121,7 +121,7 @@ impl Workshop<'_> {
         let attempt = Effort { wall_s: start.elapsed().as_secs_f64(), cpu_s: (order.cpu)() };
         let effort = Effort::spent(&scratch).and(attempt);
         if let Err(error) = worked {
-            // Why the work ended matters more than that its cost could not be noted.
+            // Why the stage ended matters more than an error in recording its cost.
             let _ = effort.keep(&scratch);
             return Err(error);
         }
@@ -130,8 +130,8 @@ impl Workshop<'_> {
         Ok(Ending::Worked(attempt.wall_s))
     }
 
-    /// Gives a training the final checkpoint of the longest training of less of its schedule, if it has none
-    /// of its own, and tells of it and of those that could not be continued.
+    /// Gives a training without a checkpoint the final checkpoint of the longest shorter training with the
+    /// same schedule. Reports it, and any that could not be continued.
     fn continue_shorter(&self, stage: &Stage, label: &str, scratch: &Path) -> Result<(), StoreError> {
         let shorter::Beginning { link, passed_over, unreadable } = shorter::lend(self.store, stage, scratch)?;
         let instead = match &link {
@@ -190,7 +190,7 @@ impl Workshop<'_> {
         self.events.emit(Event::Note { stage: label.to_owned(), message });
     }
 
-    /// Tells that the last attempt at a stage ended the process, so that nobody wonders why it begins again.
+    /// Reports that the last attempt at a stage ended the process, to explain why the stage starts again.
     fn tell_crash(&self, label: &str, scratch: &Path) {
         if let Some(reason) = last_words::of_last_attempt(scratch) {
             let (stage, code) = (Some(label.to_owned()), Some(last_words::CODE.to_owned()));
@@ -199,7 +199,7 @@ impl Workshop<'_> {
         }
     }
 
-    /// Whether the artefact is there and whole; a damaged one is moved aside with a warning.
+    /// Whether the artefact is there and whole. Moves a damaged one aside with a warning.
     pub fn settle(&self, stage: &Stage, depth: Depth) -> Result<bool, StoreError> {
         match self.store.inspect(stage.kind, &stage.fingerprint, depth) {
             Cached::Yes => Ok(true),
@@ -216,8 +216,8 @@ impl Workshop<'_> {
         }
     }
 
-    /// Removes an artefact that was restored without its weights, so that it is made anew; whether it was
-    /// one.
+    /// Removes an artefact that was restored without its weights, so that it is made again. Returns whether
+    /// it was one.
     pub fn discard_reduced(&self, stage: &Stage) -> Result<bool, StoreError> {
         let manifest = self.store.manifest(stage.kind, &stage.fingerprint)?;
         if !manifest.is_some_and(|manifest| manifest.is_reduced()) {
@@ -273,7 +273,7 @@ impl Workshop<'_> {
         guarded(|| work.run(job))
     }
 
-    /// A failure as the report and the events tell it.
+    /// A failure for the report and the events.
     pub fn failure(&self, stage: &Stage, error: &WorkError) -> Failure {
         let (code, help) = error.advice();
         Failure {
@@ -286,7 +286,7 @@ impl Workshop<'_> {
     }
 }
 
-/// What a panic is when it says that memory or threads ran out: of libtorch's allocators, of the system.
+/// Panic messages of libtorch's allocators and of the system when memory or threads run out.
 const EXHAUSTED: [&str; 7] = [
     "failed to spawn thread",
     "annot allocate memory",
@@ -297,7 +297,7 @@ const EXHAUSTED: [&str; 7] = [
     "Resource temporarily unavailable",
 ];
 
-/// Does something; a panic is a failure, so that the run hears of it.
+/// Turns a panic into a failure, so that the run can report it.
 fn guarded<T>(work: impl FnOnce() -> Result<T, WorkError>) -> Result<T, WorkError> {
     std::panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);

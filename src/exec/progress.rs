@@ -1,4 +1,4 @@
-//! Progress for people where there is no terminal: plain lines. Knows events, nothing of works.
+//! Progress as plain lines, for output that is not a terminal. Depends on events only, not on stages.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -9,14 +9,14 @@ use super::curve::Curve;
 use super::events::{Event, Events};
 use crate::escape::terminal::{self, Painted, Style};
 
-/// How often a plain line tells the progress of one stage.
+/// Minimum time between two progress lines of one stage.
 const LINE_INTERVAL: Duration = Duration::from_secs(15);
 /// Width of a stage's name.
 pub(super) const NAME_WIDTH: usize = 32;
-/// Width of the course of a training.
+/// Width of a training's curve.
 const CURVE_WIDTH: usize = 20;
 
-/// Plain lines, for logs: beginnings and endings at once, progress now and then.
+/// Plain lines, for logs: starts and ends at once, progress at intervals.
 pub struct Lines<W> {
     state: Mutex<LineState<W>>,
     interval: Duration,
@@ -24,7 +24,7 @@ pub struct Lines<W> {
 
 struct LineState<W> {
     stream: W,
-    /// The first progress of a stage, and when a line told of it last.
+    /// The first progress of each stage, and the time of its last line.
     seen: BTreeMap<String, Seen>,
 }
 
@@ -34,17 +34,17 @@ struct Seen {
     told: Instant,
     /// Share that is done.
     share: f64,
-    /// The return of a training, once there is one.
+    /// The return of a training so far; `None` until there is one.
     curve: Option<Curve>,
 }
 
 impl<W: Write> Lines<W> {
-    /// Lines to this stream.
+    /// Writes lines to this stream.
     pub fn new(stream: W) -> Self {
         Self { state: Mutex::new(LineState { stream, seen: BTreeMap::new() }), interval: LINE_INTERVAL }
     }
 
-    /// The same with another pause between two lines of one stage.
+    /// Sets the minimum time between two lines of one stage.
     pub fn every(mut self, interval: Duration) -> Self {
         self.interval = interval;
         self
@@ -85,7 +85,7 @@ impl<W: Write + Send> Events for Lines<W> {
 }
 
 impl<W> LineState<W> {
-    /// Takes the return of a training into its course.
+    /// Adds the return of a training to its curve.
     fn measure(&mut self, stage: &str, values: &BTreeMap<String, f64>) {
         if let (Some(seen), Some(value)) = (self.seen.get_mut(stage), values.get("return_mean")) {
             seen.curve.get_or_insert_with(|| Curve::new(CURVE_WIDTH)).add(seen.share, *value);
@@ -96,7 +96,7 @@ impl<W> LineState<W> {
         self.seen.get(stage)?.curve.as_ref().map(Curve::blocks)
     }
 
-    /// A line of progress, unless the last one is too young.
+    /// A line of progress, unless the last one is too recent.
     fn progress(&mut self, stage: &str, [done, total]: [u64; 2], interval: Duration) -> Option<String> {
         let now = Instant::now();
         let share = done as f64 / total.max(1) as f64;
@@ -115,17 +115,17 @@ impl<W> LineState<W> {
         let left = total.saturating_sub(done) as f64 / rate;
         let percent = 100 * done / total.max(1);
         let eta = if left.is_finite() { format!(", {} left", span(left)) } else { String::new() };
-        // Long episodes are fewer than one a second.
+        // Rates of long episodes can be below one per second.
         let digits = usize::from(rate < 9.95);
         Some(format!("{percent:>3} %  {done} of {total} {{unit}}, {rate:.digits$}/s{eta}"))
     }
 }
 
-/// Only what must not be missed.
+/// Shows only failures and warnings.
 pub struct Quiet<W>(Mutex<W>);
 
 impl<W: Write> Quiet<W> {
-    /// Failures and warnings to this stream.
+    /// Writes to this stream.
     pub fn new(stream: W) -> Self {
         Self(Mutex::new(stream))
     }
@@ -140,7 +140,7 @@ impl<W: Write + Send> Events for Quiet<W> {
     }
 }
 
-/// What both forms tell of endings and warnings. Cached stages are only counted, by the command itself.
+/// The text of ends and warnings, with or without a terminal. The command counts cached stages itself.
 pub(super) fn told(event: &Event, colored: bool) -> Option<Painted> {
     let coded = |word: &str, code: &Option<String>| match code {
         Some(code) => format!("{word}[{code}]"),
@@ -177,7 +177,7 @@ pub(super) fn told(event: &Event, colored: bool) -> Option<Painted> {
     }
 }
 
-/// A time span for people: `0.3 s`, `42 s`, `3 min 20 s`, `2 h 5 min`.
+/// A duration for people: `0.3 s`, `42 s`, `3 min 20 s`, `2 h 5 min`.
 pub fn span(seconds: f64) -> String {
     match seconds {
         s if s < 10.0 => format!("{s:.1} s"),

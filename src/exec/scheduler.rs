@@ -1,8 +1,7 @@
-//! The local scheduler: runs the stages of a plan side by side within a budget of cores.
+//! The local scheduler: runs the stages of a plan concurrently within a budget of cores.
 //!
-//! Stages start in the plan's order as soon as their inputs are there. Those that can use several
-//! threads share the budget evenly and follow when it changes. What a stage computes never depends on
-//! that.
+//! Stages start in the plan's order as soon as their inputs are available. Multi-threaded stages share the
+//! budget evenly and adapt when it changes. The number of threads never affects results.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -25,42 +24,42 @@ use super::work::{Failure, Threads as Share, WorkError};
 use crate::plan::stage::Threads;
 use crate::plan::{Fingerprint, Stage, StageKind};
 
-/// How often the scheduler looks at the interrupt and shares out CPU time.
+/// Interval at which the scheduler checks for interruption and divides CPU time.
 const POLL: Duration = Duration::from_millis(100);
 
 /// How to run.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// The budget: threads in all, and stages at once at most.
+    /// The budget: maximum number of threads, and of concurrent stages.
     pub jobs: usize,
-    /// Whether other arms go on after a failure.
+    /// Whether other arms continue after a failure.
     pub keep_going: bool,
-    /// The stages that may be worked on.
+    /// The stages that may run.
     pub selected: BTreeSet<Fingerprint>,
-    /// Why stages run, for their first event.
+    /// Why each stage runs, for its first event.
     pub reasons: BTreeMap<Fingerprint, Vec<String>>,
 }
 
 /// The result of a run.
 #[derive(Debug, Default)]
 pub struct Outcome {
-    /// Stages that were worked on.
+    /// Stages that ran.
     pub worked: Vec<Fingerprint>,
-    /// Stages that were there.
+    /// Stages that were in the store already.
     pub cached: Vec<Fingerprint>,
     /// Stages that failed.
     pub failures: Vec<Failure>,
     /// Stages that could not start because an input is missing.
     pub skipped: Vec<Fingerprint>,
-    /// Whether the user interrupted it.
+    /// Whether the user interrupted the run.
     pub interrupted: bool,
     /// The report's folder in the store.
     pub report: Option<PathBuf>,
-    /// Keeps the run's artefacts from being cleaned away for as long as its outcome is used.
+    /// Protects the run's artefacts from `cache gc` while the outcome is in use.
     pub lease: Option<Lease>,
 }
 
-/// Where a stage stands.
+/// State of a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Standing {
     Waiting,
@@ -76,11 +75,11 @@ struct Running {
     most: Threads,
 }
 
-/// A stage that ended: its key in the plan, the key that it was worked on under (a report on a part of
-/// its inputs has another), and how.
+/// A stage that ended: its fingerprint in the plan, the fingerprint that it ran under (which differs for a
+/// report on some of its inputs), and how it ended.
 type Message = (Fingerprint, Fingerprint, Ending);
 
-/// Runs the selected stages of the plan. A wait for the store that the user ends is an interrupted run.
+/// Runs the selected stages of the plan. Interrupting a wait for the store counts as interrupting the run.
 pub fn run(workshop: &Workshop, options: &Options) -> Result<Outcome, StoreError> {
     match work(workshop, options) {
         Err(StoreError::Interrupted) => Ok(Outcome { interrupted: true, ..Outcome::default() }),
@@ -91,8 +90,8 @@ pub fn run(workshop: &Workshop, options: &Options) -> Result<Outcome, StoreError
 fn work(workshop: &Workshop, options: &Options) -> Result<Outcome, StoreError> {
     let store = workshop.store;
     let lease = || workshop.waiting(|wait| store.lease(workshop.plan, wait));
-    // Before anything is looked at, so that what is found stays. A store in which everything is there may be
-    // read-only.
+    // Lease before inspecting the store, so that the artefacts found are not removed. If everything is
+    // cached, the store may be read-only.
     let early = match marker::identity(store.root())? {
         Identity::Marked | Identity::Unmarked => match lease() {
             Err(StoreError::Interrupted) => return Err(StoreError::Interrupted),
@@ -117,7 +116,7 @@ fn work(workshop: &Workshop, options: &Options) -> Result<Outcome, StoreError> {
                 return Ok(());
             }
             match receiver.recv_timeout(POLL) {
-                // The scope ends with its stages: they are asked to stop, as nothing can be noted any more.
+                // The scope waits for its stages: stop them, as their results can no longer be recorded.
                 Ok(message) => board.finish(message).inspect_err(|_| workshop.interrupt.set())?,
                 Err(RecvTimeoutError::Timeout) => board.tick(),
                 Err(RecvTimeoutError::Disconnected) => return Ok(()),
@@ -127,7 +126,7 @@ fn work(workshop: &Workshop, options: &Options) -> Result<Outcome, StoreError> {
     Ok(board.close())
 }
 
-/// Who is where.
+/// The state of all stages of a run.
 struct Board<'a> {
     workshop: &'a Workshop<'a>,
     options: &'a Options,
@@ -141,8 +140,8 @@ struct Board<'a> {
 }
 
 impl<'a> Board<'a> {
-    /// Looks at the store: a stage is done when its artefact is whole; what others will read is checked
-    /// to the last byte.
+    /// Inspects the store: a stage is done if its artefact is whole. Every byte of artefacts that other
+    /// stages will read is checked.
     fn new(workshop: &'a Workshop<'a>, options: &'a Options) -> Result<Self, StoreError> {
         let mut board = Self {
             workshop,
@@ -183,7 +182,7 @@ impl<'a> Board<'a> {
         Ok(board)
     }
 
-    /// An artefact is there: from before, or made in this wall time in s.
+    /// Records that an artefact is available: from before (`None`), or made in this wall time in s.
     fn done(&mut self, stage: &Stage, wall: Option<f64>) -> Result<(), StoreError> {
         self.standing.insert(stage.fingerprint.clone(), Standing::Done);
         let scope = self.workshop.plan.scope();
@@ -210,7 +209,7 @@ impl<'a> Board<'a> {
         }
     }
 
-    /// Starts what is ready, in the plan's order, as far as the budget goes.
+    /// Starts stages that are ready, in the plan's order, as far as the budget allows.
     fn start_ready<'scope>(&mut self, scope: &'scope Scope<'scope, '_>, sender: &mpsc::Sender<Message>)
     where
         'a: 'scope,
@@ -234,14 +233,14 @@ impl<'a> Board<'a> {
             self.running.insert(stage.fingerprint.clone(), running);
             self.standing.insert(stage.fingerprint.clone(), Standing::Running);
         }
-        // Before they start: a work may ask for its share only once.
+        // Before the stages start, because a stage may ask for its share only once.
         self.rebalance();
         for stage in chosen {
             self.start(stage, scope, sender.clone());
         }
     }
 
-    /// Stages that wait for what will not come. A report goes on with what is there.
+    /// Skips stages whose inputs will never be made. A report uses the inputs that exist.
     fn skip_hopeless(&mut self) {
         for stage in self.workshop.plan.stages().filter(|stage| stage.kind != StageKind::Report) {
             let lost = |key: &Fingerprint| matches!(self.standing[key], Standing::Failed | Standing::Skipped);
@@ -255,8 +254,8 @@ impl<'a> Board<'a> {
         }
     }
 
-    /// A stage that cannot start though nothing failed: its input was not selected. That is a failure of
-    /// its own, not the consequence of another.
+    /// Reports a stage that cannot start although nothing failed, because its input was not selected. Counts
+    /// as a failure of its own, not as the consequence of another.
     fn tell_unselected_input(&mut self, stage: &Stage) {
         let plan = self.workshop.plan;
         let absent = |key: &&Fingerprint| {
@@ -335,7 +334,7 @@ impl<'a> Board<'a> {
                 if made == key {
                     return self.done(stage, wall);
                 }
-                // A report on a part of its inputs: worth showing, not worth remembering as the report.
+                // A report on some of its inputs: shown, but not recorded as the stage's artefact.
                 self.standing.insert(key, Standing::Done);
                 self.note_report(stage, &made);
                 self.count(stage, wall);
@@ -352,7 +351,7 @@ impl<'a> Board<'a> {
         Ok(())
     }
 
-    /// Nothing ended for a while.
+    /// Housekeeping at each poll in which no stage ended.
     fn tick(&mut self) {
         self.share_time();
         if self.workshop.interrupt.is_set() && !std::mem::replace(&mut self.told, true) {
@@ -368,7 +367,7 @@ impl<'a> Board<'a> {
         lock(&self.meter).share(&running);
     }
 
-    /// Stages of one thread have one; the others share the rest evenly, the first having the remainder.
+    /// Single-threaded stages get one thread; the others share the rest evenly, the first get the remainder.
     fn rebalance(&self) {
         let greedy: Vec<&Running> =
             self.running.values().filter(|running| running.most == Threads::Max).collect();
@@ -389,8 +388,8 @@ fn lock(meter: &Mutex<Meter>) -> MutexGuard<'_, Meter> {
     meter.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A report whose inputs are not all there is another stage: it depends on what is there and on what
-/// failed. Other stages are themselves.
+/// A report with missing inputs is a different stage, because it depends on the inputs that exist and on what
+/// failed. All other stages are unchanged.
 fn partial(stage: &Stage, there: impl Fn(&Fingerprint) -> bool, failures: &[Failure]) -> Stage {
     let mut stage = stage.clone();
     if stage.recipe.inputs.values().all(&there) {

@@ -1,7 +1,7 @@
-//! Trainings of which one is the beginning of another: they differ only in `learn.stop_at`. The longer one
-//! continues from the final checkpoint of the shorter one if that is in the store, and has the bits of an
-//! uninterrupted training either way; so the shorter one is not an input and does not enter the longer one's
-//! fingerprint.
+//! Trainings that differ only in `learn.stop_at`, so that one is the beginning of the other. The longer one
+//! continues from the final checkpoint of the shorter one if that is in the store. The result is
+//! bit-identical to an uninterrupted training, so the shorter one is not an input and is not part of the
+//! longer one's fingerprint.
 
 use std::fs;
 use std::path::Path;
@@ -17,27 +17,27 @@ use crate::learn::checkpoint::Checkpoint;
 use crate::plan::{Cached, Fingerprint, Recipe, Stage, StageKind};
 use crate::{bounded, finite, safe_fs};
 
-/// The record of the shorter training, beside the checkpoint and in the artefact of the longer one.
+/// Records which shorter training was continued; next to the checkpoint and in the longer one's artefact.
 pub const FILE: &str = "continues.json";
 
-/// The training that another one continues.
+/// A shorter training that another one continues.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Link {
     /// Its fingerprint.
     pub fingerprint: Fingerprint,
-    /// Samples that it was trained with (`learn.stop_at`).
+    /// Number of samples it was trained on (`learn.stop_at`).
     pub samples: u64,
 }
 
-/// Where a training begins.
+/// Where a training starts.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Beginning {
-    /// The training that it continues; without it, it begins anew, or goes on from a checkpoint of its own.
+    /// The training that it continues; `None` if it starts anew or from its own checkpoint.
     pub link: Option<Link>,
-    /// Longer ones that it would continue, were they whole.
+    /// Longer candidates that could not be continued.
     pub passed_over: Vec<PassedOver>,
-    /// Trainings of which nobody can say whether they are the beginning of this one.
+    /// Trainings that cannot be compared with this one.
     pub unreadable: Vec<Unreadable>,
 }
 
@@ -50,7 +50,7 @@ pub struct Unreadable {
     pub reason: String,
 }
 
-/// A training that cannot be continued although it is the beginning of another one.
+/// A training that cannot be continued although it is the beginning of this one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PassedOver {
     /// The training.
@@ -62,15 +62,14 @@ pub struct PassedOver {
 /// Why a training cannot be continued.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Cause {
-    /// Its artefact is not as it was made.
+    /// Its artefact was changed after it was made.
     Damaged(String),
     /// It was restored from a record without its checkpoint.
     Restored,
 }
 
-/// Copies the final checkpoint of the longest training of less of the stage's schedule into the stage's
-/// scratch folder, with what belongs to it. Does nothing where the folder has a checkpoint, and for stages
-/// that are no such training.
+/// Copies the final checkpoint of the longest shorter training with the same schedule, and its files, to the
+/// stage's scratch folder. Does nothing if the folder has a checkpoint or the stage is not a training.
 pub fn lend(store: &Store, stage: &Stage, scratch: &Path) -> Result<Beginning, StoreError> {
     let mut beginning = Beginning::default();
     if stage.kind != StageKind::Learner || Checkpoint::path(scratch).exists() {
@@ -103,13 +102,13 @@ pub fn lend(store: &Store, stage: &Stage, scratch: &Path) -> Result<Beginning, S
     let record = finite::to_string_pretty(link).expect("a link has no numbers that are not finite");
     let place = scratch.join(FILE);
     safe_fs::replace(&place, record.as_bytes()).map_err(|error| StoreError::writing(&place, error))?;
-    // Last: without it the training begins anew.
+    // Last, because without the checkpoint the training starts anew.
     copy(&Checkpoint::path(&from), scratch)?;
     Ok(beginning)
 }
 
-/// A training in the store, if it is the beginning of this one. What is left of a damaged manifest says that,
-/// too.
+/// A training in the store, if it is the beginning of this one. Even a damaged manifest may be enough to
+/// tell.
 fn link(store: &Store, stage: &Stage, key: Fingerprint) -> Result<Option<Link>, Unreadable> {
     let recipe = match store.manifest(stage.kind, &key) {
         Ok(None) => return Ok(None),
@@ -131,7 +130,7 @@ fn link(store: &Store, stage: &Stage, key: Fingerprint) -> Result<Option<Link>, 
     Ok(is_same.then_some(Link { fingerprint: key, samples }))
 }
 
-/// The recipe in a damaged manifest, if it is the one that the fingerprint is of.
+/// The recipe in a damaged manifest, if it matches the fingerprint.
 fn remains(store: &Store, kind: StageKind, key: &Fingerprint) -> Option<Recipe> {
     let text = bounded::text(&store.folder(kind, key).join(manifest::FILE), bounded::RECORD).ok()?;
     let mut json: Json = serde_json::from_str(&text).ok()?;
@@ -139,7 +138,7 @@ fn remains(store: &Store, kind: StageKind, key: &Fingerprint) -> Option<Recipe> 
     (recipe.fingerprint() == *key).then_some(recipe)
 }
 
-/// Why a training in the store cannot be continued, if it cannot.
+/// Why a training in the store cannot be continued; `None` if it can.
 fn obstacle(store: &Store, kind: StageKind, link: &Link) -> Option<Cause> {
     match store.inspect(kind, &link.fingerprint, Depth::Full) {
         Cached::Yes if Checkpoint::path(&store.folder(kind, &link.fingerprint)).is_file() => None,
@@ -169,8 +168,7 @@ fn copy(path: &Path, folder: &Path) -> Result<(), StoreError> {
     safe_fs::replace(&place, &bytes).map_err(|error| StoreError::writing(&place, error))
 }
 
-/// Copies the record of the training that was continued, if there is one, from the scratch folder to the
-/// artefact.
+/// Copies the record of the training that was continued, if any, from the scratch folder to the artefact.
 pub fn keep_record(scratch: &Path, artefact: &Path) -> Result<(), StoreError> {
     let path = scratch.join(FILE);
     if !path.exists() {

@@ -1,8 +1,8 @@
-//! The content-addressed store: one folder per artefact, `KIND/FINGERPRINT/`, put there by one rename.
+//! The content-addressed store: one folder per artefact, `KIND/FINGERPRINT/`, created by one rename.
 //!
-//! Beside the artefacts: `tmp/` (artefacts in the making), `scratch/` (checkpoints), `locks/`,
-//! `leases/` (what running processes use), `damaged/` (entries that failed their digests), `journal.jsonl`
-//! with its seal, and the mark of a store. Knows nothing of what is inside.
+//! Besides the artefacts it has `tmp/` (artefacts being made), `scratch/` (checkpoints), `locks/`, `leases/`
+//! (what running processes use), `damaged/` (entries whose digests do not match), `journal.jsonl` with its
+//! seal, and the marker file. Does not interpret the content of artefacts.
 
 use std::fs::{self, File};
 use std::io::{ErrorKind, Write};
@@ -19,7 +19,7 @@ use crate::learn::checkpoint::Checkpoint;
 use crate::plan::{Cached, Fingerprint, Plan, Stage, StageKind};
 use crate::{bounded, finite, safe_fs};
 
-/// The store. Looking at it creates nothing; [`Store::prepare`] does.
+/// The store. Reading it creates nothing; [`Store::prepare`] does.
 #[derive(Clone, Debug)]
 pub struct Store {
     root: PathBuf,
@@ -36,7 +36,7 @@ impl Store {
         &self.root
     }
 
-    /// What its folder is; E0813 when that is somebody else's, in which no store is made.
+    /// What its folder is; E0813 if the folder is not a store and cannot become one.
     pub fn identity(&self) -> Result<Identity, StoreError> {
         self.refuse_links()?;
         match marker::identity(&self.root)? {
@@ -47,8 +47,8 @@ impl Store {
         }
     }
 
-    /// Creates the store's folders, makes sure that they can be written, and removes what killed runs
-    /// have left in `tmp/`. A folder that holds anything else is refused: a store has a folder of its own.
+    /// Creates the store's folders, checks that they are writable, and removes what killed runs left in
+    /// `tmp/`. Refuses a folder that contains anything else: a store needs a folder of its own.
     pub fn prepare(&self) -> Result<(), StoreError> {
         let identity = self.identity()?;
         for folder in ["", "tmp", "scratch", "locks"] {
@@ -61,7 +61,7 @@ impl Store {
         if identity != Identity::Marked {
             marker::mark(&self.root)?;
         }
-        // A store is a cache; version control should not see it.
+        // A store is a cache; keep it out of version control.
         let ignore = self.root.join(".gitignore");
         if !ignore.exists() {
             safe_fs::replace(&ignore, b"*\n").map_err(|error| StoreError::writing(&ignore, error))?;
@@ -73,8 +73,8 @@ impl Store {
         Ok(())
     }
 
-    /// The store's folder may be a symbolic link; what lies in it may not, or a run would write somewhere
-    /// else.
+    /// Refuses symbolic links inside the store, which would make a run write elsewhere. The store's own
+    /// folder may be one.
     fn refuse_links(&self) -> Result<(), StoreError> {
         let own = marker::FOLDERS.into_iter().chain(marker::FILES);
         for name in own.chain(StageKind::ALL.map(StageKind::name)) {
@@ -84,7 +84,7 @@ impl Store {
         Ok(())
     }
 
-    /// Removes temporary folders whose makers are gone: those whose lock is free.
+    /// Removes temporary folders whose processes have ended, that is, whose lock is free.
     fn sweep(&self) {
         let Ok(entries) = self.root.join("tmp").read_dir() else { return };
         for entry in entries.flatten() {
@@ -106,7 +106,7 @@ impl Store {
         self.root.join("locks").join(key.as_str())
     }
 
-    /// The keys of all artefacts of a kind, sorted; none where the folder cannot be read.
+    /// The keys of all artefacts of a kind, sorted; empty if the folder cannot be read.
     pub fn keys(&self, kind: StageKind) -> Vec<Fingerprint> {
         self.entries(kind).unwrap_or_default()
     }
@@ -127,7 +127,7 @@ impl Store {
         Ok(keys)
     }
 
-    /// The manifest of an artefact; `None` when the artefact is not there.
+    /// The manifest of an artefact; `None` if the artefact is missing.
     pub fn manifest(&self, kind: StageKind, key: &Fingerprint) -> Result<Option<Manifest>, StoreError> {
         let path = self.folder(kind, key).join(manifest::FILE);
         if let Err(error) = safe_fs::inside(&self.root, &format!("{}/{key}/{}", kind.name(), manifest::FILE))
@@ -156,7 +156,7 @@ impl Store {
         }
     }
 
-    /// Moves an entry that cannot be trusted to `damaged/`, and says where it is now.
+    /// Moves a damaged entry to `damaged/`, and returns its new path.
     pub fn quarantine(&self, kind: StageKind, key: &Fingerprint) -> Result<PathBuf, StoreError> {
         let folder = self.root.join("damaged");
         fs::create_dir_all(&folder).map_err(|error| StoreError::writing(&folder, error))?;
@@ -169,12 +169,12 @@ impl Store {
         }
     }
 
-    /// Takes the lock of a fingerprint, waiting for another run that holds it.
+    /// Takes the lock of a fingerprint; waits if another run holds it.
     pub fn lock(&self, key: &Fingerprint, wait: &Wait) -> Result<Lock, StoreError> {
         lock::lasting(&self.lock_path(key), wait)
     }
 
-    /// Keeps the artefacts of a plan from being cleaned away until the lease is dropped.
+    /// Protects the artefacts of a plan from `cache gc` until the lease is dropped.
     pub fn lease(&self, plan: &Plan, wait: &Wait) -> Result<Lease, StoreError> {
         self.refuse_links()?;
         lease::take(&self.root, plan, wait)
@@ -201,7 +201,7 @@ impl Store {
         keys.into_iter().filter_map(fault).collect()
     }
 
-    /// Begins an artefact. The caller holds the fingerprint's lock.
+    /// Starts an artefact. The caller must hold the fingerprint's lock.
     pub fn begin(&self, stage: &Stage) -> Result<Draft<'_>, StoreError> {
         let name = format!("{}.{}", stage.fingerprint, std::process::id());
         let folder = self.root.join("tmp").join(name);
@@ -211,7 +211,7 @@ impl Store {
     }
 }
 
-/// An artefact in the making; dropped without [`Draft::commit`] it leaves nothing.
+/// An artefact being made; removed when dropped without [`Draft::commit`].
 #[derive(Debug)]
 pub struct Draft<'a> {
     store: &'a Store,
@@ -220,7 +220,7 @@ pub struct Draft<'a> {
 }
 
 impl Draft<'_> {
-    /// Where its files are written.
+    /// Where to write its files.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
@@ -230,7 +230,7 @@ impl Draft<'_> {
         self.commit_reduced(provenance, Vec::new())
     }
 
-    /// The same for a part of an artefact that had these files when it was made.
+    /// The same for some of the files of an artefact; `originals` lists those that it had when it was made.
     pub fn commit_reduced(
         self,
         provenance: Provenance,
@@ -252,7 +252,7 @@ impl Draft<'_> {
         fs::create_dir_all(&parent).map_err(|error| StoreError::writing(&parent, error))?;
         match fs::rename(&self.folder, &target) {
             Ok(()) => {}
-            // Somebody else put the same artefact there; both are right.
+            // Another process stored the same artefact; both are valid.
             Err(error) if matches!(error.kind(), ErrorKind::DirectoryNotEmpty | ErrorKind::AlreadyExists) => {
             }
             Err(error) => return Err(StoreError::writing(&target, error)),

@@ -1,4 +1,4 @@
-//! Whether an artefact is whole: its manifest and the files of its folder against each other.
+//! Checks an artefact: its manifest and the files in its folder must agree.
 
 use std::path::Path;
 
@@ -7,11 +7,11 @@ use super::{copies, evidence, numbers};
 use crate::plan::{Fingerprint, StageKind};
 use crate::safe_fs;
 
-/// Files up to this size are hashed on every look at the store (BLAKE3 takes a millisecond per MB); larger
-/// ones only before they are read.
+/// Files up to this size are hashed whenever the store is inspected (BLAKE3 takes a millisecond per MB);
+/// larger ones only before they are read.
 const QUICK_LIMIT: u64 = 16 << 20;
 
-/// Checks the manifest of an artefact and the files of its folder against each other.
+/// Checks that the manifest of an artefact and the files in its folder agree.
 pub(super) fn check(
     manifest: &Manifest,
     folder: &Path,
@@ -39,6 +39,6 @@ pub(super) fn check(
         }
     }
     numbers::check(folder, manifest.files.iter().map(|file| file.path.as_str()))?;
-    // A reduced artefact lacks what its copies are held against.
+    // A reduced artefact lacks the files that its copies are compared with.
     if manifest.originals.is_empty() { copies::check(folder, &manifest.stage, depth) } else { Ok(()) }
 }

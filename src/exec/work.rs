@@ -1,4 +1,4 @@
-//! The contract between the scheduler and the work of a stage.
+//! The interface between the scheduler and the implementations of stages.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -18,28 +18,28 @@ use crate::sim::EngineError;
 use crate::spec::typed::Part;
 use crate::spec::{Section, Table};
 
-/// The work of one kind of stage.
+/// The implementation of one kind of stage.
 pub trait Work: Send + Sync {
     /// Makes the artefact: reads `job.fields` and `job.inputs`, writes files into `job.output`.
     ///
-    /// The same fields and inputs must give the same files, whatever the threads. After an
-    /// interruption or a crash it is called again with the same scratch folder and goes on from there.
+    /// The same fields and inputs must give the same files for any number of threads. After an interruption
+    /// or a crash it is called again with the same scratch folder, and continues from there.
     fn run(&self, job: &Job) -> Result<(), WorkError>;
 }
 
-/// The works by kind of stage.
+/// The implementations by kind of stage.
 pub type Works = BTreeMap<StageKind, Box<dyn Work>>;
 
-/// One stage to be worked on.
+/// One stage to perform.
 pub struct Job<'a> {
     /// The stage.
     pub stage: &'a Stage,
     /// Its name for people, as in events.
     pub label: String,
-    /// The whole plan, for a report: its arms' records and the stages of each role.
+    /// The whole plan; a report needs its arms' records and the stages of each role.
     pub plan: &'a Plan,
-    /// The declared fields and no others. An `evaluate.NAME` or `deploy.NAME` table is `evaluate` or
-    /// `deploy` here.
+    /// Only the declared fields. An `evaluate.NAME` or `deploy.NAME` table is named `evaluate` or `deploy`
+    /// here.
     pub fields: &'a Table,
     /// The folders of the inputs by role (`env`, `learner`; for a report `ARM/STAGE`).
     pub inputs: BTreeMap<String, PathBuf>,
@@ -47,13 +47,13 @@ pub struct Job<'a> {
     pub output: &'a Path,
     /// A folder that survives interruptions and crashes, for checkpoints; removed after success.
     pub scratch: &'a Path,
-    /// How many threads it may use at this moment.
+    /// How many threads the stage may use; can change while it runs.
     pub threads: Threads,
-    /// Where progress is told.
+    /// Receives progress and warnings.
     pub events: &'a dyn Events,
-    /// Whether the user wants to stop.
+    /// Whether a stop was requested.
     pub interrupt: &'a Interrupt,
-    /// For a report: stages of other arms that failed. Their artefacts are absent from `inputs`.
+    /// For a report: stages of other arms that failed, whose artefacts are missing from `inputs`.
     pub failures: &'a [Failure],
 }
 
@@ -63,29 +63,29 @@ impl Job<'_> {
         Section::new(self.fields).section(name)
     }
 
-    /// A declared section in Rust.
+    /// A declared section, decoded.
     pub fn part<P: Part>(&self) -> Option<P> {
         Section::new(self.fields).part()
     }
 
-    /// Tells how far the work is.
+    /// Reports progress.
     pub fn progress(&self, done: u64, total: u64, unit: &str, note: impl Into<String>) {
         let (stage, unit, note) = (self.label.clone(), unit.to_owned(), note.into());
         self.events.emit(Event::Progress { stage, done, total, unit, note });
     }
 
-    /// Tells numbers that the work has measured.
+    /// Reports measured values.
     pub fn metric(&self, values: BTreeMap<String, f64>) {
         self.events.emit(Event::Metric { stage: self.label.clone(), values });
     }
 
-    /// Tells something that the user should know and that stops nothing.
+    /// Reports a problem that does not stop the stage.
     pub fn warning(&self, message: impl Into<String>) {
         let (stage, message) = (Some(self.label.clone()), message.into());
         self.events.emit(Event::Warning { stage, code: None, message, help: None });
     }
 
-    /// Tells what a run-time check has found, unless every arm that uses the stage means it.
+    /// Reports the finding of a run-time check, unless every arm that uses the stage allows it.
     pub fn finding(&self, code: &str, message: String, help: &str) {
         if !self.plan.allows(self.stage, code) {
             let (stage, help) = (Some(self.label.clone()), Some(help.to_owned()));
@@ -93,7 +93,7 @@ impl Job<'_> {
         }
     }
 
-    /// A file of an input.
+    /// The path of a file of an input.
     pub fn input(&self, role: &str, file: &str) -> Result<PathBuf, WorkError> {
         match self.inputs.get(role) {
             Some(folder) => Ok(folder.join(file)),
@@ -122,8 +122,8 @@ impl Job<'_> {
     }
 }
 
-/// A stage's share of the machine. The scheduler changes it while the stage runs, as others start and
-/// end; a work that can follows it between two steps, others ask once.
+/// A stage's share of the threads. The scheduler changes it as other stages start and end. Stages that can
+/// adapt read it between steps, others only once.
 #[derive(Clone, Debug)]
 pub struct Threads(Arc<AtomicUsize>);
 
@@ -133,7 +133,7 @@ impl Threads {
         Self(Arc::new(AtomicUsize::new(count.max(1))))
     }
 
-    /// The share at this moment, at least 1.
+    /// The current share, at least 1.
     pub fn now(&self) -> usize {
         self.0.load(Ordering::Relaxed)
     }
@@ -144,20 +144,20 @@ impl Threads {
     }
 }
 
-/// Why a work did not finish.
+/// Why a stage did not finish.
 #[derive(Debug, thiserror::Error)]
 pub enum WorkError {
-    /// The user wanted to stop; the scratch folder holds what is needed to go on.
+    /// The user requested a stop; the scratch folder contains what is needed to continue.
     #[error("interrupted")]
     Interrupted,
-    /// It cannot be done.
+    /// The stage failed.
     #[error("{message}")]
     Failed {
-        /// The diagnostic's code (`R0001`), when there is one.
+        /// The diagnostic's code (`R0001`), if it has one.
         code: Option<&'static str>,
         /// What happened.
         message: String,
-        /// What to do about it.
+        /// How to fix it.
         help: Option<String>,
     },
     /// A file could not be read or written.
@@ -214,7 +214,7 @@ impl WorkError {
         Self::Failed { code: Some(code), message: message.into(), help: Some(help.into()) }
     }
 
-    /// A result with a number that is NaN or infinite.
+    /// A result contains NaN or infinity.
     pub fn not_finite(file: &str, found: &NotFinite) -> Self {
         let help = "look at what the number is made of: a robot's figures, a reward, a rate; `specforge \
             explain R0007` says more";
@@ -223,14 +223,14 @@ impl WorkError {
 
     /// A failure of the file system.
     pub fn io(path: &Path, source: std::io::Error) -> Self {
-        // A full or read-only disk has its own code, whoever meets it.
+        // A full or read-only disk has its own code, whichever stage meets it.
         match StoreError::writing(path, source) {
             StoreError::Io { path, source } => Self::Io { path, source },
             fault => Self::Store(fault),
         }
     }
 
-    /// The diagnostic's code and what to do, where there is something to say.
+    /// The diagnostic's code and how to fix it, if there are any.
     pub fn advice(&self) -> (Option<&'static str>, Option<String>) {
         match self {
             Self::Failed { code, help, .. } => (*code, help.clone()),
@@ -240,18 +240,18 @@ impl WorkError {
     }
 }
 
-/// A stage that failed, as a report tells it.
+/// A stage that failed, as reported.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failure {
     /// The stage's name for people.
     pub stage: String,
-    /// The arms that wanted it.
+    /// The arms that need the stage.
     pub arms: Vec<String>,
-    /// The diagnostic's code, when there is one.
+    /// The diagnostic's code, if it has one.
     pub code: Option<String>,
     /// What happened.
     pub message: String,
-    /// What to do about it.
+    /// How to fix it.
     pub help: Option<String>,
 }
 

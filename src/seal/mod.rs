@@ -1,9 +1,9 @@
-//! The digest of a record over its own content, by which an edit of the record itself is found: of the record of a
-//! report and of that of a run.
+//! The digest of a record over its own content, which detects edits of the record itself. Used for the
+//! records of reports and of runs.
 //!
-//! It is taken over the canonical JSON of the file without the field that holds it, as the file is and not as
-//! this version of the program reads it: a field that a later version adds breaks no earlier record. A record
-//! without a digest is one of the few of before there were any ([`unsealed`]), or its digest was removed.
+//! It covers the file's canonical JSON without the digest field, including fields that this version does not
+//! know, so fields added later do not invalidate earlier records. A record without a digest is either older
+//! than digests ([`unsealed`]), or its digest was removed.
 
 pub mod unsealed;
 
@@ -15,16 +15,16 @@ use unsealed::{Earlier, Unsealed};
 /// The field of a record that holds its digest.
 pub const FIELD: &str = "seal";
 
-/// How a record stands to its own digest.
+/// The result of comparing a record with its digest.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Seal {
-    /// It is as it was written.
+    /// It is unchanged.
     Whole,
     /// It was changed after it was written.
     Broken,
-    /// It is of before records had a digest, and as it was when the list of those was made.
+    /// It is older than digests, and unchanged since the list of such records was made.
     Earlier(Earlier),
-    /// It has no digest, and is none of before there were any.
+    /// It has no digest, and is not on that list.
     Absent,
 }
 
@@ -32,14 +32,14 @@ pub enum Seal {
 pub const REMOVED: &str =
     "it has no digest of itself, which every record has that this version writes: it was removed";
 
-/// The digest of a record's content, whatever digest it has now; `None` when the text is no JSON object.
+/// The digest of a record's content, ignoring the one it has; `None` if the text is not a JSON object.
 pub fn of(record: &str) -> Option<String> {
     let mut json: Json = serde_json::from_str(record).ok()?;
     json.as_object_mut()?.shift_remove(FIELD);
     Some(blake3::hash(canonical_json(&json).as_bytes()).to_hex().to_string())
 }
 
-/// How the text of a record stands to the digest that it has, or to the list of records without one.
+/// Compares the text of a record with its digest or, without one, with the list of older records.
 pub fn state(record: &str, unsealed: &Unsealed) -> Seal {
     let json: Option<Json> = serde_json::from_str(record).ok();
     let digest = of(record);

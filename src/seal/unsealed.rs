@@ -1,36 +1,36 @@
-//! The records of before records had digests of themselves: the only ones that may lack one. Each is known by the
-//! digest of its content, so a record whose digest was removed is none of them.
+//! Records from before digests were introduced, the only ones that may lack one. They are identified by the
+//! digest of their content, so a newer record whose digest was removed is not accepted.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-/// The records of this project's own reports. A page leaves the list when it is rendered again, and none is added.
+/// The records of this project's reports. A page leaves the list when it is rendered again; none is added.
 const LIST: &str = include_str!("unsealed.txt");
 
 static KNOWN: LazyLock<Unsealed> = LazyLock::new(|| Unsealed::parse(LIST));
 
-/// A record of before there were digests.
+/// A record from before digests.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Earlier {
     /// Its path in the folder of the reports.
     pub path: String,
-    /// The digests of its page and figures, by their paths from the record's own folder.
+    /// The digests of its page and figures, by path relative to the record's folder.
     pub files: BTreeMap<String, String>,
 }
 
-/// Such records by the digest of their content.
+/// Such records, by the digest of their content.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Unsealed {
     records: BTreeMap<String, Earlier>,
 }
 
 impl Unsealed {
-    /// Those that this version knows.
+    /// The list built into this version.
     pub fn known() -> &'static Self {
         &KNOWN
     }
 
-    /// Reads a list: lines of a record's digest and path, each followed by indented ones of its files.
+    /// Parses a list: lines with a record's digest and path, each followed by indented ones for its files.
     pub fn parse(text: &str) -> Self {
         let (mut records, mut last) = (BTreeMap::new(), String::new());
         for line in text.lines().filter(|line| !line.starts_with('#')) {

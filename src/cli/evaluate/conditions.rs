@@ -1,5 +1,5 @@
-//! The conditions that the options of `evaluate` ask for: each is decoded as the key of a spec that it stands
-//! for, with that key's unit, range and messages.
+//! The conditions set by the options of `evaluate`. Each option is decoded like the key of a spec that it
+//! replaces, with that key's unit, range and messages.
 
 use std::sync::Arc;
 
@@ -17,16 +17,15 @@ use crate::spec::{Param, Section, Table, Value};
 use crate::syntax::assign::assignment_of;
 use crate::syntax::{Item, Layer, Map, Node};
 
-/// What is to be run.
+/// What to evaluate.
 pub struct Conditions {
     /// One per engine and command.
     pub transfers: Vec<Transfer>,
-    /// What they have in common; its command is none.
+    /// The protocol shared by all of them, without a command.
     pub protocol: Protocol,
 }
 
-/// The policy on the ground that is asked for, and the conditions; or everything that is wrong with the
-/// options.
+/// The policy on the requested ground and the conditions, or all errors in the options.
 pub fn read(options: &Options, mut policy: Policy) -> Result<(Policy, Conditions), Box<Findings>> {
     let mut desk = Desk::default();
     if let Some(blueprint) = options.terrain.as_ref().and_then(|text| ground(text, &policy, &mut desk)) {
@@ -39,7 +38,7 @@ pub fn read(options: &Options, mut policy: Policy) -> Result<(Policy, Conditions
     }
 }
 
-/// The texts of the options and what is wrong with them.
+/// The texts of the options and the errors in them.
 #[derive(Default)]
 struct Desk {
     sources: Sources,
@@ -119,7 +118,7 @@ impl Desk {
         })
     }
 
-    /// The engines, each once; the training's without any.
+    /// The engines without duplicates; by default that of the training.
     fn engines(&mut self, options: &Options, blueprint: &Blueprint) -> Option<Vec<String>> {
         let mut engines: Vec<String> = Vec::new();
         for name in &options.engine {
@@ -134,7 +133,7 @@ impl Desk {
         Some(engines)
     }
 
-    /// The commands in m/s; the task's own without any.
+    /// The commands in m/s; by default the task's own.
     fn commands(&mut self, options: &Options, blueprint: &Blueprint) -> Option<Vec<Option<f64>>> {
         let task = Section::new(&blueprint.fields).within::<Task>().filter(|task| !task.holds(Walk::command));
         if let (Some(task), false) = (task, options.command.is_empty()) {
@@ -151,7 +150,7 @@ impl Desk {
     }
 }
 
-/// A speed as a spec writes it: a bare number is in m/s.
+/// A speed as in a spec; a number without a unit is in m/s.
 fn with_unit(speed: &str) -> String {
     if speed.parse::<f64>().is_ok() { format!("{speed} m/s") } else { speed.to_owned() }
 }
@@ -171,8 +170,8 @@ fn push(text: &str, desk: &mut Desk) -> Option<Randomized> {
     Some(Randomized::By(Arc::new(Table::from([("push".to_owned(), Value::Table(row))]))))
 }
 
-/// The environment of a policy on another ground, `slope,angle=3 deg`; its friction is the policy's unless it
-/// is given.
+/// The environment of a policy on another ground, `slope,angle=3 deg`; the policy's friction is used unless
+/// given.
 fn ground(text: &str, policy: &Policy, desk: &mut Desk) -> Option<Blueprint> {
     let mut parts = text.split(',').map(str::trim);
     let kind = parts.next().filter(|kind| !kind.contains('=')).unwrap_or_default();

@@ -1,6 +1,6 @@
-//! `specforge evaluate POLICY`: an exported policy without its spec, in any engine, at any command.
+//! `specforge evaluate POLICY`: evaluates an exported policy without its spec, in any engine, at any command.
 //!
-//! The episodes are those of a report: the same seed, command and engine give the same numbers.
+//! Episodes are as in a report: the same seed, command and engine give the same numbers.
 
 mod conditions;
 mod shown;
@@ -23,7 +23,7 @@ use crate::outcome::Evaluation;
 use crate::robot::examine;
 use conditions::Conditions;
 
-/// A policy has half a megabyte; a file beyond this is something else.
+/// Maximum size of a policy in bytes. A typical policy has half a megabyte.
 const LARGEST: u64 = 64 << 20;
 
 /// Arguments of `evaluate`.
@@ -119,8 +119,8 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     }
 }
 
-/// What the checks find in the policy's own robot. Its numbers are true of that robot, so none of it is an
-/// error here.
+/// The findings about the policy's own robot. They are warnings, because the policy was trained with exactly
+/// this robot.
 fn of_robot(policy: &Policy) -> Findings {
     let issues = examine::issues(examine::all(&policy.blueprint.robot));
     let found =
@@ -128,7 +128,7 @@ fn of_robot(policy: &Policy) -> Findings {
     Findings::of(Sources::default(), found.collect())
 }
 
-/// Refuses what is no file or too large to be a policy.
+/// Fails if the path is not a file or is too large to be a policy.
 fn readable(path: &Path) -> Result<(), Box<Diagnostic>> {
     let shown = crate::escape::file(path);
     let unreadable = |why: &str| Diagnostic::error("E0006", format!("cannot read `{shown}`: {why}"));
@@ -150,7 +150,7 @@ fn readable(path: &Path) -> Result<(), Box<Diagnostic>> {
     Err(Box::new(found))
 }
 
-/// What a fault means for the command.
+/// The exit code of an error, which is reported.
 fn failed(error: &WorkError, global: &Global) -> Exit {
     if matches!(error, WorkError::Interrupted) {
         return interruption::tell(global);
@@ -160,7 +160,7 @@ fn failed(error: &WorkError, global: &Global) -> Exit {
     Exit::StageFailed
 }
 
-/// Tells programs what must not be missed.
+/// Reports only warnings and failures, as JSON.
 struct Urgent(JsonLines<std::io::Stderr>);
 
 impl Events for Urgent {
@@ -171,7 +171,7 @@ impl Events for Urgent {
     }
 }
 
-/// Runs all engines at all commands, one after the other; with `--format json` each is told when it is done.
+/// Evaluates all engines at all commands in turn; with `--format json`, reports each when it is done.
 fn evaluated(
     options: &Options,
     (policy, conditions): (&Policy, &Conditions),
@@ -181,7 +181,7 @@ fn evaluated(
     interrupt.work();
     let threads =
         options.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
-    // With JSON, standard output is for the results.
+    // In JSON mode standard output is reserved for results.
     let events: Arc<dyn Events> = match global.format {
         Format::Json => Arc::new(Urgent(JsonLines::new(std::io::stderr()))),
         _ => run::audience(global),
@@ -200,7 +200,7 @@ fn evaluated(
     Ok(evaluations)
 }
 
-/// One evaluation with its events.
+/// One evaluation, with its events.
 fn followed(
     stage: &str,
     (policy, transfer, threads): (&Policy, &Transfer, usize),
@@ -216,7 +216,7 @@ fn followed(
     Ok(evaluation)
 }
 
-/// Tells the events of an evaluation.
+/// Emits the events of an evaluation.
 struct Told<'a> {
     stage: &'a str,
     total: u64,

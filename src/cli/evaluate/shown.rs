@@ -1,4 +1,4 @@
-//! What `evaluate` prints: a line per evaluation for programs, the report's own tables for people.
+//! The output of `evaluate`: one line per evaluation for programs, the tables of a report for people.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -24,15 +24,15 @@ use crate::report::warning::of_evaluations;
 use crate::report::wording::with_interval;
 use crate::robot;
 
-/// Characters in a line where standard output is no terminal.
+/// Line width if standard output is not a terminal.
 const WIDTH: usize = 120;
 
-/// Where and at which command: `rapier, 0.2 m/s`.
+/// Engine and command: `rapier, 0.2 m/s`.
 pub fn place(engine: &str, command: Option<f64>) -> String {
     command.map_or_else(|| engine.to_owned(), |speed| format!("{engine}, {speed} m/s"))
 }
 
-/// An evaluation as programs read it.
+/// An evaluation as JSON.
 pub fn line(evaluation: &Evaluation) -> serde_json::Value {
     let mean = |name| average(evaluation, name);
     json!({
@@ -54,7 +54,7 @@ pub fn line(evaluation: &Evaluation) -> serde_json::Value {
     })
 }
 
-/// Prints the tables, the verdicts and what must be known with them; programs have had their lines already.
+/// Prints the tables, the verdicts and remarks on them; programs have received their lines already.
 pub fn tell(
     path: &Path,
     (policy, protocol): (&Policy, &Protocol),
@@ -86,7 +86,7 @@ pub fn tell(
     }
 }
 
-/// Head, table and verdicts.
+/// Header, table and verdicts.
 fn text((policy, protocol): (&Policy, &Protocol), input: &ReportInput) -> String {
     let arm = &input.arms[0];
     let contract = &policy.contract;
@@ -123,7 +123,7 @@ fn text((policy, protocol): (&Policy, &Protocol), input: &ReportInput) -> String
     text
 }
 
-/// Under which conditions all of it was evaluated: `32 episodes each, seed 1000, ground slope, randomized`.
+/// The conditions of all evaluations: `32 episodes each, seed 1000, ground slope, randomized`.
 fn conditions(policy: &Policy, protocol: &Protocol) -> String {
     let ground = policy.blueprint.part::<Ground>().kind();
     let mut text =
@@ -144,7 +144,7 @@ fn conditions(policy: &Policy, protocol: &Protocol) -> String {
     text
 }
 
-/// Writes a table in aligned columns, as many beside each other as a line holds.
+/// Writes a table in aligned columns, in blocks as wide as a line allows.
 fn lay_out(table: &Table, width: usize, text: &mut String) {
     let shown = |cell: &Cell| match cell {
         Cell::Text(text) => text.clone(),
@@ -179,7 +179,7 @@ fn lay_out(table: &Table, width: usize, text: &mut String) {
     }
 }
 
-/// A remark when the policy's robot is not the one that comes with this specforge under its name.
+/// A remark if the policy's robot differs from the built-in one of the same name.
 fn stranger(policy: &Policy) -> Option<String> {
     let own = &policy.contract.robot;
     let shipped = robot::shipped(&own.name)?;

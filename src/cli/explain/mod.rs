@@ -1,5 +1,4 @@
-//! `specforge explain WORD`: the page of a code, a kind, a registry, a section, a key, a unit, or of a part
-//! of a suite.
+//! `specforge explain WORD`: the page of a code, kind, registry, section, key, unit or part of a suite.
 
 mod suites;
 mod units;
@@ -17,10 +16,10 @@ use crate::spec::{Kind, Shape};
 
 pub use units::line as unit_line;
 
-/// Most pages that are printed in full; of more only the titles.
+/// Maximum number of pages printed in full; if there are more, only titles are printed.
 const MOST: usize = 6;
 
-/// Most names that are suggested for a word that is not known.
+/// Maximum number of suggestions for an unknown word.
 const SUGGESTIONS: usize = 3;
 
 /// Arguments of `explain`.
@@ -36,11 +35,11 @@ struct Page {
     what: &'static str,
     name: String,
     text: String,
-    /// What programs get beside the text.
+    /// Additional data for programs.
     facts: Value,
 }
 
-/// Prints every page about the word: one kind may be in two registries.
+/// Prints every page about the word. There may be several: a kind may be in two registries, for example.
 pub fn run(options: &Options, global: &Global) -> Exit {
     let word = options.word.trim().trim_matches('`');
     let pages = pages(word);
@@ -64,7 +63,7 @@ fn json_of(page: &Page) -> Value {
     object
 }
 
-/// The names of many pages, each to be explained by itself.
+/// The titles of many pages, for choosing one.
 fn titles(word: &str, pages: &[Page]) -> String {
     let mut text =
         format!("`{word}` is {} things; `specforge explain` says more about each:\n\n", pages.len());
@@ -98,7 +97,7 @@ fn pages_of(word: &str) -> Vec<Page> {
             pages.push(Page { what: "kind", name, text: reference::page(&registry, kind), facts });
         }
     }
-    // The name of a kind or section is not searched among the keys too: `explain torque` means the kinds.
+    // Do not search the keys for the name of a kind or section: `explain torque` means the kinds.
     if pages.is_empty() {
         let keys = keys::keys();
         let named: Vec<&Key> = keys.iter().filter(|key| key.is_called(word)).collect();
@@ -111,7 +110,7 @@ fn pages_of(word: &str) -> Vec<Page> {
     pages
 }
 
-/// The page of a name that other programs use.
+/// The page of a name used by other programs.
 fn synonym_page(word: &str) -> Option<Page> {
     let row = synonyms::find(word)?;
     let paths: Vec<String> = row.ours.iter().map(|path| synonyms::shown(path)).collect();
@@ -128,8 +127,8 @@ fn synonym_page(word: &str) -> Option<Page> {
     Some(Page { what: "synonym", name: word.to_owned(), text, facts: json!({ "ours": paths }) })
 }
 
-/// The keys behind a path as `plan`, `why` and `trace` print it, `evaluate.nominal.episodes`: the name of a
-/// term stands for its kind, whichever that is, and a key that all kinds share has none.
+/// The keys for a path as printed by `plan`, `why` and `trace` (`evaluate.nominal.episodes`). The name of a
+/// term stands for any of its possible kinds; keys shared by all kinds do not depend on it.
 fn of_term<'a>(word: &str, keys: &'a [Key]) -> Vec<&'a Key> {
     let mut steps = word.splitn(3, '.');
     let (Some(section), Some(term), Some(key)) = (steps.next(), steps.next(), steps.next()) else {
@@ -155,7 +154,7 @@ fn key_page(key: &Key) -> Page {
     Page { what: "key", name: key.path.clone(), text: key.page(), facts }
 }
 
-/// The page of a section or registry: what it holds.
+/// The page of a section or registry: its content.
 fn section_page(word: &str) -> Option<Page> {
     if let Some(registry) = registries().into_iter().find(|registry| registry.name == word) {
         let mut text = format!("# {}\n\n{}: `{}`.\n\n", registry.name, registry.summary, registry.place);
@@ -180,7 +179,7 @@ fn names(registry: &Registry, kind: &Kind) -> [String; 2] {
     [kind.name.to_owned(), format!("{}.{}", registry.name, kind.name)]
 }
 
-/// The words that were probably meant.
+/// Suggestions of similar words.
 fn advice(word: &str) -> String {
     let mut known: Vec<String> = codes::PAGES.iter().map(|page| page.code.to_owned()).collect();
     for registry in registries() {

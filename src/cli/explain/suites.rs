@@ -1,4 +1,4 @@
-//! The pages of what a suite has beside the sections of its arms: the sweep and the claims.
+//! The pages of the parts of a suite other than the sections of its arms: the sweep and the claims.
 
 use serde_json::json;
 
@@ -6,7 +6,7 @@ use super::Page;
 use crate::spec::Param;
 use crate::spec::claim::PARAMS;
 
-/// The words that have a page here.
+/// The words explained here.
 pub const WORDS: [&str; 3] = ["claim", "suite", "sweep"];
 
 const SUITE: &str = "\

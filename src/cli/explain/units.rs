@@ -1,4 +1,4 @@
-//! Units: what they measure, how large they are, and which keys take them.
+//! Units: their dimensions and sizes, and the keys that use them.
 
 use serde_json::json;
 
@@ -7,10 +7,10 @@ use crate::kinds::keys::{Key, keys};
 use crate::quantity::unit::{PREFIXES, UNITS, Unit, find};
 use crate::quantity::{Dimension, quantity};
 
-/// Most keys that a page lists.
+/// Maximum number of keys that a page lists.
 const MOST: usize = 24;
 
-/// The page of a unit as it would be written: `Hz`, `ms`, `rad/s`, `N*m`.
+/// The page of a unit in the notation of specs: `Hz`, `ms`, `rad/s`, `N*m`.
 pub fn page(word: &str) -> Option<Page> {
     let parsed = quantity(&format!("1 {word}")).ok()?;
     let simple = find(word).and_then(|found| UNITS.iter().find(|unit| unit.symbol == found.symbol));
@@ -40,7 +40,7 @@ pub fn page(word: &str) -> Option<Page> {
     Some(Page { what: "unit", name: word.to_owned(), text, facts })
 }
 
-/// The keys whose values have a dimension.
+/// The keys whose values have this dimension.
 fn takers(dimension: Dimension) -> Vec<Key> {
     let mut takers: Vec<Key> = keys().into_iter().filter(|key| key.has_dimension(dimension)).collect();
     takers.dedup_by(|key, before| key.path == before.path);

@@ -58,7 +58,7 @@ pub struct Options {
     output: Option<PathBuf>,
 }
 
-/// Imports a robot. An existing file is left alone.
+/// Imports a robot. Does not overwrite an existing file.
 pub fn run(options: &Options, global: &Global) -> Exit {
     let stem =
         || options.file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
@@ -135,8 +135,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     Exit::Ok
 }
 
-/// The welded tree of the file and its format, which will be written to this path; what is wrong with it is
-/// told.
+/// Reads the file's welded tree and its format, for writing to this path. Reports errors.
 fn read(
     options: &Options,
     folder: &Folder,
@@ -168,7 +167,7 @@ fn read(
     welded.ok_or(Exit::Invalid)
 }
 
-/// A figure that is filled in where the file has its own (W0420).
+/// A value that is filled in although the file has its own (W0420).
 fn without_effect(fill: &str, key: Option<&str>) -> Diagnostic {
     let posed = key.filter(|_| fill.contains("default_position="));
     let says = match posed {
@@ -179,7 +178,7 @@ fn without_effect(fill: &str, key: Option<&str>) -> Diagnostic {
         .help("leave it out, and change the figures in the robot's file after the import")
 }
 
-/// Two names with a comma between them.
+/// Parses two names separated by a comma.
 fn pair(text: &str) -> Result<[String; 2], String> {
     match text.split(',').map(str::trim).collect::<Vec<_>>().as_slice() {
         [left, right] if !left.is_empty() && !right.is_empty() => {
@@ -192,7 +191,7 @@ fn pair(text: &str) -> Result<[String; 2], String> {
     }
 }
 
-/// A figure and the joints that it is for.
+/// Parses a value and the joints that it applies to.
 fn fill(text: &str) -> Result<Fill, String> {
     let (left, value) = text.split_once('=').ok_or("write KEY=VALUE, for example damping=0.3 N*m*s/rad")?;
     let (joints, key) = match left.rsplit_once(':') {
@@ -211,13 +210,13 @@ fn fill(text: &str) -> Result<Fill, String> {
     Ok(Fill { joints, key: key.to_owned(), value: value.trim().to_owned() })
 }
 
-/// Whether a text is a quantity that can be given in this unit.
+/// Checks that a text is a quantity with this unit's dimension.
 fn measures(text: &str, unit: &str) -> Result<(), String> {
     let one = quantity(&format!("1 {unit}")).map_err(|error| error.to_string())?;
     quantity_of(text, one.dimension).map(drop).map_err(|error| error.to_string())
 }
 
-/// The first figure that is given for joints which the robot does not have, as a complaint.
+/// The first value given for joints that the robot does not have, as an error message.
 fn misses(fills: &[Fill], welded: &Welded) -> Option<String> {
     let names = || welded.links.iter().map(|link| link.hinge.name.as_str());
     let fits =
@@ -240,7 +239,7 @@ fn summary(path: &Path, welded: &Welded, written: &Written) -> String {
     text
 }
 
-/// What is left to do.
+/// The next steps for the user.
 fn next(path: &Path, written: &Written, issues: &[Issue]) -> String {
     let show = format!("`specforge robot show {}`", shell::argument(path));
     let errors = issues.iter().filter(|issue| issue.severity() == Severity::Error).count();
@@ -266,7 +265,7 @@ fn next(path: &Path, written: &Written, issues: &[Issue]) -> String {
     })
 }
 
-/// What the robot's checks found, each with its fix.
+/// The findings of the robot's checks, each with its fix.
 fn findings(issues: &[Issue]) -> String {
     let line = |issue: &Issue| {
         let severity = if issue.severity() == Severity::Error { "error" } else { "warning" };
@@ -277,7 +276,7 @@ fn findings(issues: &[Issue]) -> String {
     if lines.is_empty() { lines } else { format!("findings:\n{lines}") }
 }
 
-/// Writes a file that is not there yet, whole or not at all.
+/// Writes a new file atomically.
 fn write_new(path: &Path, text: &str) -> std::io::Result<()> {
     std::fs::create_dir_all(safe_fs::folder_of(path))?;
     safe_fs::create(path, text.as_bytes())

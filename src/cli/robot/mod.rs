@@ -74,23 +74,22 @@ fn look_up(wanted: &str, global: &Global) -> Exit {
     if let Some(robot) = &robot {
         show(robot, replaces, global);
     }
-    // With the robot, programs have its findings already.
+    // With the robot, its findings are already part of the JSON output.
     if robot.is_none() || global.format != Format::Json {
         specs::tell(&[Findings::of(sources, sink.diagnostics).in_file(&place)], global);
     }
     if failed { Exit::Invalid } else { Exit::Ok }
 }
 
-/// Why a robot is not found.
+/// Why a robot cannot be read.
 enum Lost {
-    /// There is none.
+    /// It does not exist.
     Nowhere(String),
-    /// Its file is too large, not a text, or no file.
+    /// Its file is too large, not text, or not a regular file.
     Unreadable(Box<Diagnostic>),
 }
 
-/// Name, place and text of a robot: a file, `robots/NAME.toml` below the working folder, or one that
-/// comes with specforge.
+/// Name, path and text of a robot: a file, `robots/NAME.toml` in the working folder, or a built-in one.
 fn find(wanted: &str) -> Result<(String, PathBuf, String), Lost> {
     let is_path = wanted.ends_with(".toml") || wanted.contains(std::path::MAIN_SEPARATOR);
     let path = if is_path { PathBuf::from(wanted) } else { PathBuf::from(format!("robots/{wanted}.toml")) };
@@ -106,7 +105,7 @@ fn find(wanted: &str) -> Result<(String, PathBuf, String), Lost> {
     }
 }
 
-/// Prints a robot; `replaces` says that its file hides one that comes with specforge.
+/// Prints a robot; `replaces` means that its file hides a built-in robot of the same name.
 fn show(robot: &Robot, replaces: bool, global: &Global) {
     match global.format {
         Format::Json => {
@@ -120,7 +119,7 @@ fn show(robot: &Robot, replaces: bool, global: &Global) {
     }
 }
 
-/// The figures as tables for people.
+/// The values as tables for people.
 fn text(summary: &Summary) -> String {
     let [x, y, z] = summary.com;
     let mut text =

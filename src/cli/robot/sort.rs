@@ -1,4 +1,4 @@
-//! Files that are given in the place of a robot's: what they are, and which robot is meant.
+//! Recognises other files given in place of a robot file, and suggests the robot that was probably intended.
 
 use std::path::Path;
 
@@ -10,16 +10,15 @@ use crate::spec::suggest::{listed, nearest};
 use crate::spec::{Attachment, LoadOptions, Vocabulary, suite};
 use crate::syntax::Disk;
 
-/// A file that is no robot's.
+/// A file that does not describe a robot.
 pub struct Other {
-    /// What it is.
+    /// The error message.
     pub message: String,
-    /// What to do instead.
+    /// How to fix it.
     pub advice: String,
 }
 
-/// What the text of a file is where it is no robot's: a spec, a suite or a motion, by the keys before its
-/// first table.
+/// Recognises a spec, a suite or a motion by the keys before its first table.
 pub fn other(path: &Path, text: &str, vocabulary: &Vocabulary) -> Option<Other> {
     let shown = path.display();
     let top = || text.lines().map(str::trim_start).take_while(|line| !line.starts_with('['));
@@ -59,7 +58,7 @@ fn show(robot: &Attachment) -> String {
     format!("`specforge robot show {}`", shell::argument(place))
 }
 
-/// What is meant by a word that names no robot.
+/// A suggestion for a word that does not name a robot.
 pub fn instead(wanted: &str) -> String {
     let ending = Path::new(wanted).extension().and_then(|ending| ending.to_str()).unwrap_or_default();
     if matches!(ending, "urdf" | "xml" | "mjcf" | "xacro") && Path::new(wanted).is_file() {
@@ -73,7 +72,7 @@ pub fn instead(wanted: &str) -> String {
     }
 }
 
-/// The robots of the folder that the command works in, and those that come with specforge.
+/// The robots of the working folder, and the built-in ones.
 fn names() -> Vec<String> {
     robots(&vocabulary()).names(&Disk, Some(Path::new(".")))
 }

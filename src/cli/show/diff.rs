@@ -1,4 +1,4 @@
-//! `show --diff A B`: the values in which two resolved specs differ, and the tables that only one of them
+//! `show --diff A B`: the values that differ between two resolved specs, and the tables that only one of them
 //! has.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -11,13 +11,13 @@ use crate::diag::Sources;
 use crate::escape::terminal::one_line;
 use crate::spec::{Experiment, Value};
 
-/// Longest value that origins are aligned behind.
+/// Maximum width of values after which origins are aligned.
 const WIDTH: usize = 48;
 
-/// What is different.
+/// The differences between two specs.
 #[derive(Default)]
 struct Difference {
-    /// Values that both have, and values of tables that both have.
+    /// Different values of tables that both specs have.
     values: Vec<(String, Option<Row>, Option<Row>)>,
     /// Tables that only the first has, with their values.
     only_a: BTreeMap<String, Vec<Row>>,
@@ -25,7 +25,7 @@ struct Difference {
     only_b: BTreeMap<String, Vec<Row>>,
 }
 
-/// The differences, each with both values and both origins. Values are compared as numbers, not as texts.
+/// The differences, each with both values and both origins. Values are compared numerically, not as text.
 pub fn show(first: &Checked, second: &Checked, as_json: bool) -> String {
     let (Some(a), Some(b)) = (&first.experiment, &second.experiment) else { return String::new() };
     let difference = difference(a, b, [&first.sources, &second.sources]);
@@ -120,7 +120,7 @@ fn only(sign: char, table: &str, rows: &[Row]) -> String {
         .collect()
 }
 
-/// The section or term around a path that an experiment does not have at all.
+/// The section or term on a path that an experiment lacks entirely.
 fn missing_table(experiment: &Experiment, path: &str) -> Option<String> {
     let steps: Vec<&str> = path.split('.').collect();
     (1..steps.len().min(3))

@@ -1,4 +1,4 @@
-//! `specforge show FILE`: a spec as it is resolved. One file per view.
+//! `specforge show FILE`: a resolved spec. One file per view.
 
 mod diff;
 mod origins;
@@ -41,7 +41,7 @@ pub struct Options {
     variant: Variant,
 }
 
-/// Prints the view that was asked for; without one, an overview.
+/// Prints the requested view, by default an overview.
 pub fn run(options: &Options, global: &Global) -> Exit {
     let wanted = if options.diff { 2 } else { 1 };
     if options.files.len() != wanted {
@@ -101,13 +101,13 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     Exit::Ok
 }
 
-/// What a file shows: a spec in one of the views, or a whole suite.
+/// What to show: a spec in one of the views, or a whole suite.
 enum Shown {
     Spec(Box<Checked>),
     Whole(String),
 }
 
-/// An arm of a suite as a spec, or the suite when no arm is named and no view of one is asked for.
+/// An arm of a suite as a spec, or the suite if neither an arm nor a view of one is requested.
 fn of_suite(checked: CheckedSuite, options: &Options, global: &Global) -> Result<Shown, Exit> {
     let names = || checked.arms.iter().map(|arm| arm.arm.name.as_str());
     let Some(wanted) = &options.arm else {

@@ -10,10 +10,10 @@ use crate::escape::terminal::{Painted, Style, line};
 use crate::kinds::vocabulary::vocabulary;
 use crate::spec::{Experiment, Origin, Table, Value};
 
-/// Longest assignment that origins are aligned behind where there is no terminal.
+/// Maximum width of assignments after which origins are aligned if the output is not a terminal.
 const WIDTH: usize = 58;
 
-/// Shortest assignment that is left of a long one in a narrow terminal.
+/// Minimum width that long assignments are cut to in a narrow terminal.
 const LEAST: usize = 24;
 
 /// A value and where it comes from.
@@ -21,14 +21,14 @@ const LEAST: usize = 24;
 pub struct Row {
     /// The path of the value.
     pub path: String,
-    /// The value as TOML, in its author's spelling.
+    /// The value as TOML, as its author wrote it.
     pub value: String,
     /// Its origin.
     pub origin: Origin,
 }
 
 impl Row {
-    /// The value and its origin for programs.
+    /// The value and its origin as JSON.
     pub fn json(&self) -> Json {
         let mut object =
             json!({ "value": self.value, "origin": self.origin.to_string(), "layer": layer(&self.origin) });
@@ -43,7 +43,7 @@ impl Row {
     }
 }
 
-/// Which layer of rule 7 an origin is.
+/// The layer of an origin (rule 7 of the language).
 fn layer(origin: &Origin) -> &'static str {
     match origin {
         Origin::Default => "default",
@@ -65,7 +65,7 @@ pub fn show(checked: &Checked, as_json: bool, global: &Global) -> Painted {
     text(&rows, output::width(), output::paints(global))
 }
 
-/// The lines, fitted into a terminal of a width; without one long values push their origin to the right.
+/// The lines, fitted to the terminal's width; without a terminal, long values push their origin to the right.
 fn text(rows: &[Row], terminal: Option<usize>, paint: bool) -> Painted {
     let assignment = |row: &Row| line(&format!("{} = {}", row.path, row.value)).into_owned();
     let assignments: Vec<String> = rows.iter().map(assignment).collect();
@@ -84,7 +84,7 @@ fn text(rows: &[Row], terminal: Option<usize>, paint: bool) -> Painted {
     rows.iter().zip(&assignments).fold(Painted::new(paint), with)
 }
 
-/// A text cut to a width; the cut shows as an ellipsis.
+/// A text cut to a width, with an ellipsis if anything was cut.
 fn shortened(text: &str, width: usize) -> String {
     if text.chars().count() <= width {
         return text.to_owned();
@@ -92,8 +92,7 @@ fn shortened(text: &str, width: usize) -> String {
     text.chars().take(width.saturating_sub(1)).chain(['…']).collect()
 }
 
-/// Adds an origin in the colour of its layer: what is nobody's choice is dim, what wins over files stands
-/// out.
+/// Adds an origin in the colour of its layer: defaults are dim, layers that override files stand out.
 fn with_origin(text: Painted, origin: &Origin) -> Painted {
     let words = origin.to_string();
     let words = line(&words);
@@ -106,7 +105,7 @@ fn with_origin(text: Painted, origin: &Origin) -> Painted {
     }
 }
 
-/// The values of an experiment in the order in which a spec is read.
+/// The values of an experiment, in the usual order of a spec.
 pub fn rows(experiment: &Experiment, sources: &Sources) -> Vec<Row> {
     let row = |(path, origin): (String, Origin)| {
         let value = written(experiment, &path, value_at(&experiment.table, &path)?);
@@ -116,7 +115,7 @@ pub fn rows(experiment: &Experiment, sources: &Sources) -> Vec<Row> {
     in_order(rows, |row: &Row| &row.path)
 }
 
-/// Things in the order of the sections, those of a table together and its kind first.
+/// Sorts by section; entries of the same table stay together, with its kind first.
 pub fn in_order<T>(mut things: Vec<T>, path: impl Fn(&T) -> &str) -> Vec<T> {
     let sections = vocabulary().sections;
     things.sort_by_cached_key(|thing| {

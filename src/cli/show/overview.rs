@@ -1,4 +1,4 @@
-//! `show FILE` alone: what this experiment is, on one screen.
+//! `show FILE` without options: a one-screen overview of the experiment.
 
 use serde_json::json;
 
@@ -18,7 +18,7 @@ use crate::kinds::terminate::Terminations;
 use crate::spec::typed::{Declared, InSection};
 use crate::spec::{Experiment, Value};
 
-/// The lines that a person wants to see first.
+/// The overview.
 pub fn show(checked: &Checked, as_json: bool) -> String {
     let Some(experiment) = &checked.experiment else { return String::new() };
     let rows = rows(checked, experiment);

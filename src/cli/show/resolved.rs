@@ -1,4 +1,4 @@
-//! `show --resolved`: the spec after inheritance, as a spec that stands alone and keeps its author's units.
+//! `show --resolved`: the spec after inheritance, as a self-contained spec in its author's units.
 
 use crate::check::Checked;
 use crate::format::{Order, Sort, format};
@@ -40,7 +40,7 @@ pub fn show(checked: &Checked, json: bool) -> String {
     format(&text, Sort::Spec, &Order::of_this_edition())
 }
 
-/// A table with its header; the kind comes first and is left out when the table is named after it.
+/// A table with its header; the kind comes first, and is omitted if the table has the same name.
 fn block(experiment: &Experiment, path: &str, table: &Table) -> String {
     let named = path.rsplit_once('.').map(|(_, name)| name);
     let kind = table
@@ -60,7 +60,7 @@ fn block(experiment: &Experiment, path: &str, table: &Table) -> String {
     text
 }
 
-/// A value as TOML on one line, in its author's spelling.
+/// A value as TOML on one line, as its author wrote it.
 pub fn written(experiment: &Experiment, path: &str, value: &Value) -> String {
     if let Value::Table(table) = value {
         let entry = |(key, value): (&String, &Value)| {
@@ -75,7 +75,7 @@ pub fn written(experiment: &Experiment, path: &str, value: &Value) -> String {
     }
 }
 
-/// A value without a place, in SI units.
+/// A value without a source location, in SI units.
 fn plain(value: &Value) -> String {
     let list = |numbers: &[f64]| numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
     match value {

@@ -1,4 +1,4 @@
-//! `show --signals`: every input and output of the policy, and the law behind the outputs.
+//! `show --signals`: every input and output of the policy, and the controller behind the outputs.
 
 use serde_json::{Value as Json, json};
 
@@ -16,7 +16,7 @@ use crate::robot::Robot;
 use crate::spec::Experiment;
 use crate::spec::typed::InSection;
 
-/// The tables; `None` for an abstract spec, which has no robot or no action yet.
+/// The tables; `None` for an abstract spec, which does not have a robot and an action yet.
 pub fn show(checked: &Checked, as_json: bool) -> Option<String> {
     let experiment = checked.experiment.as_ref()?;
     let robot = checked.robot.as_ref().filter(|_| !experiment.is_abstract)?;
@@ -83,7 +83,7 @@ struct Output {
     command: &'static str,
     joint: Option<String>,
     unit: &'static str,
-    /// Bounds of the command in the unit.
+    /// Limits of the command, in its unit.
     range: [f64; 2],
 }
 

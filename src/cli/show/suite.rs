@@ -1,4 +1,4 @@
-//! `show` of a suite: its axes, seeds and claims, and the arms with the ids of their runs.
+//! `show` for a suite: its axes, seeds and claims, and the arms with their run ids.
 
 use serde_json::json;
 

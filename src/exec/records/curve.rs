@@ -1,9 +1,9 @@
-//! The learning curve of a training: of every update what curves and claims are made of, and the whole of the
-//! last one.
+//! The learning curve of a training: for every update the values that figures and claims use, and the last
+//! update in full.
 
 use serde::{Deserialize, Serialize};
 
-/// What is kept of a line of `metrics.jsonl`.
+/// The values kept from a line of `metrics.jsonl`.
 #[derive(Deserialize)]
 struct Update {
     samples: u64,
@@ -16,7 +16,7 @@ struct Update {
     wall_s: f64,
 }
 
-/// Columns with a number for every update.
+/// Columns with one value per update.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Curve {
@@ -24,11 +24,11 @@ pub struct Curve {
     samples: Vec<u64>,
     /// Episodes that ended in the update.
     episodes: Vec<u64>,
-    /// Their mean return, rounded to single precision as all that follow.
+    /// Their mean return, rounded to single precision like all columns below.
     return_mean: Vec<Option<f64>>,
     /// Their mean length in s.
     length_mean_s: Vec<Option<f64>>,
-    /// Share of the control steps on one foot alone.
+    /// Share of the control steps in single support.
     single_support: Vec<Option<f64>>,
     /// CPU time so far in s, over all threads.
     cpu_s: Vec<f64>,
@@ -39,7 +39,7 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// The curve of `metrics.jsonl`.
+    /// Extracts the curve from `metrics.jsonl`.
     pub fn of(metrics: &str) -> Result<Self, serde_json::Error> {
         let mut curve = Self::default();
         for line in metrics.lines() {
@@ -56,7 +56,7 @@ impl Curve {
         Ok(curve)
     }
 
-    /// The lines of `metrics.jsonl` that the curve knows; what it left out is absent.
+    /// The lines of `metrics.jsonl`, without the values that the curve does not store.
     pub fn lines(&self) -> Result<String, String> {
         let count = self.samples.len();
         let lengths = [self.return_mean.len(), self.length_mean_s.len(), self.single_support.len()];
@@ -81,7 +81,7 @@ impl Curve {
     }
 }
 
-/// The nearest number of single precision, in its own shortest digits.
+/// Rounds to single precision and back, by the shortest decimal form.
 fn single(number: f64) -> f64 {
     (number as f32).to_string().parse().unwrap_or(number)
 }

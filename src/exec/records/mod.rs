@@ -1,9 +1,8 @@
-//! Records of runs: what a page needs of a finished run, as one small JSON file that can be committed.
+//! Records of runs: what a report needs of a finished run, as one small JSON file that can be committed.
 //!
-//! A record has the manifests of the run's trainings and evaluations, their JSON files, and of each training
-//! the learning curve. The weights are left out unless they are asked for. Restored to a store, a run without
-//! its weights counts as done for a report; a stage that needs the weights makes the training anew, to the
-//! same bits.
+//! A record contains the manifests of the run's trainings and evaluations, their JSON files and the learning
+//! curve of each training; the weights only on request. A run restored without weights is enough for a
+//! report; a stage that needs the weights repeats the training, which gives bit-identical results.
 
 mod curve;
 mod read;
@@ -22,10 +21,10 @@ use curve::Curve;
 pub use restore::{Restored, restore, verify};
 pub use save::{Saved, save};
 
-/// Raised when the same keys mean something else.
+/// Incremented when existing keys change their meaning.
 const FORMAT: u32 = 3;
 
-/// The format of before records had a digest of themselves.
+/// The last format without a digest of the record itself.
 const UNSEALED: u32 = 2;
 
 /// A finished run.
@@ -34,11 +33,11 @@ const UNSEALED: u32 = 2;
 pub struct RunRecord {
     /// Format of the file.
     pub format: u32,
-    /// The arm and its seed, as reports call the run.
+    /// The arm and its seed, as reports name the run.
     pub run: String,
     /// The trainings and evaluations in the order of the pipeline.
     pub stages: Vec<StageRecord>,
-    /// BLAKE3 of the canonical JSON of all of the record but this; empty in the records of earlier versions.
+    /// BLAKE3 of the record's canonical JSON without this field; empty in records of earlier versions.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub seal: String,
 }
@@ -47,14 +46,14 @@ pub struct RunRecord {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StageRecord {
-    /// The manifest with its digest, as it lies in the store.
+    /// The manifest with its digest, as stored.
     pub manifest: serde_json::Value,
     /// The stage's JSON files by name.
     pub files: BTreeMap<String, serde_json::Value>,
     /// The learning curve of a training.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub curve: Option<Curve>,
-    /// Files beside the record that are the stage's own, by name: the weights.
+    /// Other files of the stage next to the record (the weights), by name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub beside: BTreeMap<String, String>,
     /// BLAKE3 of the canonical JSON of `files` and `curve`, which the manifest's digests do not cover.
@@ -89,7 +88,7 @@ pub enum RecordError {
         /// What the system said.
         source: std::io::Error,
     },
-    /// A file is no record, or is not as it was written.
+    /// A file is not a record, or was changed after it was written.
     #[error("{path}: {reason}")]
     Record {
         /// The file.

@@ -7,7 +7,7 @@ use crate::bounded;
 use crate::seal::unsealed::Unsealed;
 use crate::seal::{self, Seal};
 
-/// A record that is as it was written; otherwise why it is not.
+/// Reads an unchanged record; fails with what is wrong with it.
 pub(super) fn read(path: &Path, unsealed: &Unsealed) -> Result<RunRecord, String> {
     let text = bounded::text(path, bounded::RECORD).map_err(|error| error.to_string())?;
     let record: RunRecord =

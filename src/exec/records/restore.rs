@@ -26,15 +26,15 @@ pub struct Restored {
     pub present: usize,
 }
 
-/// Restores all records in a folder. A stage that the store has stays as it is; one that another process
-/// makes or restores is awaited.
+/// Restores all records in a folder. Stages that are in the store already are left unchanged; waits for those
+/// that another process is making or restoring.
 pub fn restore(store: &Store, folder: &Path, wait: &Wait) -> Result<Restored, RecordError> {
     let paths = records_in(folder)?;
     store.prepare()?;
     let mut restored = Restored::default();
     for path in paths {
         let record = read(&path, Unsealed::known()).map_err(|reason| RecordError::at(&path, reason))?;
-        // All of a record is checked before any of it is restored.
+        // Check the whole record before restoring any of it.
         let stages = record.stages.iter().map(|stage| whole(stage, folder)).collect::<Result<Vec<_>, _>>();
         restored.records += 1;
         for stage in &stages.map_err(|reason| RecordError::at(&path, reason))? {
@@ -45,17 +45,17 @@ pub fn restore(store: &Store, folder: &Path, wait: &Wait) -> Result<Restored, Re
     Ok(restored)
 }
 
-/// A stage whose record agrees with itself.
+/// A stage whose record is consistent.
 struct WholeStage {
     stage: Stage,
     provenance: Provenance,
-    /// The files of the artefact as it was made.
+    /// The files of the original artefact.
     originals: Vec<FileRecord>,
     /// The files that are restored, by name.
     files: BTreeMap<String, Vec<u8>>,
 }
 
-/// Checks a stage's record: its digests, and that it has every JSON file of the artefact and no other.
+/// Checks a stage's record: its digests, and that it has exactly the JSON files of the artefact.
 fn whole(record: &StageRecord, folder: &Path) -> Result<WholeStage, String> {
     let Manifest { stage, files: listed, provenance, originals } =
         Manifest::from_text(&record.manifest.to_string())?;
@@ -98,8 +98,8 @@ fn whole(record: &StageRecord, folder: &Path) -> Result<WholeStage, String> {
     }
 }
 
-/// Whether a file is the record of a run as it was written, with the weights beside it; otherwise why not. `None` for a
-/// file that is no record of a run.
+/// Checks that a file is an unchanged record of a run with its weights next to it. `None` if it is not a
+/// record of a run.
 pub fn verify(path: &Path, unsealed: &Unsealed) -> Option<Result<(), String>> {
     let text = bounded::text(path, bounded::RECORD).ok()?;
     let json: serde_json::Value = serde_json::from_str(&text).ok()?;
@@ -121,8 +121,7 @@ fn records_in(folder: &Path) -> Result<Vec<PathBuf>, RecordError> {
     if paths.is_empty() { Err(RecordError::Absent { path: folder.to_owned() }) } else { Ok(paths) }
 }
 
-/// Whether the stage was put into the store. Its lock is held meanwhile, so that of several processes one
-/// puts it there.
+/// Restores a stage under its lock, so that only one of several processes does. Returns whether it did.
 fn restore_stage(store: &Store, whole: &WholeStage, wait: &Wait) -> Result<bool, StoreError> {
     let (kind, key) = (whole.stage.kind, &whole.stage.fingerprint);
     if store.inspect(kind, key, Depth::Quick) == Cached::Yes {

@@ -15,25 +15,24 @@ use crate::seal::unsealed::Unsealed;
 use crate::seal::{self, Seal};
 use crate::{finite, safe_fs};
 
-/// The files of weights.
+/// The weight files.
 const WEIGHTS: [&str; 2] = ["actor.safetensors", "critic.safetensors"];
 
-/// What became of a plan's runs.
+/// The result of saving a plan's runs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Saved {
     /// Files that were written.
     pub written: Vec<PathBuf>,
-    /// Runs whose record was there already.
+    /// Runs whose record existed already.
     pub present: usize,
     /// Runs that are not finished.
     pub unfinished: usize,
-    /// Records that were written without weights that were asked for: their trainings were restored without
-    /// them.
+    /// Records written without the requested weights, because their trainings were restored without weights.
     pub weightless: usize,
 }
 
 /// Writes a record for each finished run of the plan that has none in the folder yet, with the weights of its
-/// trainings if they are asked for. The names of the files begin with `name`.
+/// trainings on request. File names begin with `name`.
 pub fn save(
     plan: &Plan,
     store: &Store,
@@ -69,7 +68,7 @@ pub fn save(
     Ok(saved)
 }
 
-/// The stages of a run that take time: all others are made again in seconds.
+/// The expensive stages of a run; all others are made again in seconds.
 fn recorded<'a>(plan: &'a Plan, arm: &ArmRecord) -> Vec<&'a Stage> {
     let is_dear = |stage: &&Stage| {
         use StageKind::{Evaluate, Export, FineTune, Learner, Pretrain, Transfer};
@@ -79,7 +78,7 @@ fn recorded<'a>(plan: &'a Plan, arm: &ArmRecord) -> Vec<&'a Stage> {
     plan.stages().filter(|stage| keys.contains(&stage.fingerprint)).filter(is_dear).collect()
 }
 
-/// Whether a file is the whole record of these stages, with their weights if they are asked for.
+/// Whether a file is a complete record of these stages, with their weights on request.
 fn is_record_of(path: &Path, stages: &[&Stage], weights: bool) -> bool {
     let Ok(text) = bounded::text(path, bounded::RECORD) else { return false };
     let Ok(record) = serde_json::from_str::<RunRecord>(&text) else { return false };
@@ -96,7 +95,7 @@ fn is_record_of(path: &Path, stages: &[&Stage], weights: bool) -> bool {
         && record.stages.iter().all(is_whole)
 }
 
-/// Whether the weights that a stage had when it was made are beside its record.
+/// Whether all weights that a stage had when it was made are next to its record.
 fn has_weights(stage: &StageRecord, folder: &Path) -> bool {
     let Ok(manifest) = Manifest::from_text(&stage.manifest.to_string()) else { return false };
     let mut made = manifest.files.iter().chain(&manifest.originals).map(|file| file.path.as_str());
@@ -138,7 +137,7 @@ fn stage_record(
         } else if file.path.ends_with(".json") {
             let mut value: Json =
                 serde_json::from_str(&text()?).map_err(|error| RecordError::at(&path, error))?;
-            // The course of one episode is most of an evaluation, and only drawn.
+            // The trace of one episode is most of an evaluation, and only figures use it.
             if let Some(evaluation) = value.as_object_mut().filter(|_| file.path == "evaluation.json") {
                 evaluation.shift_remove("trace");
             }
@@ -156,7 +155,7 @@ fn stage_record(
     Ok(StageRecord { manifest, files, curve, beside, digest })
 }
 
-/// The beginning of a file's name for a run, unlike those before it.
+/// A unique start of a file name for a run.
 fn stem(name: &str, arm: &ArmRecord, known: &mut BTreeSet<String>) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() || matches!(c, '.' | '-') { c } else { '_' };
     let mut words: String = arm.name.chars().map(plain).collect();

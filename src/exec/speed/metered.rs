@@ -1,9 +1,9 @@
-//! An engine whose every call is timed: how a rollout's time divides into physics and the rest.
+//! An engine that times all of its calls: how a rollout's time divides into physics and the rest.
 //!
-//! Times are of the monotonic clock, read in some tens of nanoseconds without the kernel's help. The thread's
-//! own CPU clock takes ten times as long, and what the kernel leaves behind in the caches would count as the
-//! rest's. Other programs lengthen all parts alike, so the shares stay true. What the timing itself costs is
-//! measured once and taken off.
+//! Uses the monotonic clock, which takes some tens of nanoseconds to read, without a system call. The
+//! thread's CPU clock takes ten times as long, and its system calls would disturb the caches at the expense
+//! of the rest. Other programs slow down all parts alike, so the shares stay valid. The cost of timing is
+//! measured once and subtracted.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -12,7 +12,7 @@ use std::time::Instant;
 use crate::robot::Robot;
 use crate::sim::{Contacts, Engine, EngineError, EngineSettings, State, Terrain, World, Worlds};
 
-/// What the calls of an engine have taken in nanoseconds, over all its worlds and threads.
+/// Nanoseconds spent in calls of an engine, over all its worlds and threads.
 #[derive(Debug, Default)]
 pub struct Spent {
     build: AtomicU64,
@@ -21,30 +21,30 @@ pub struct Spent {
     calls: AtomicU64,
 }
 
-/// Seconds by kind of call.
+/// Time by kind of call, in s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seconds {
     /// Building worlds.
     pub build: f64,
-    /// Physics steps, torques handed over included.
+    /// Physics steps, including setting the torques.
     pub step: f64,
-    /// Reading states and contacts, asking whether they are sane.
+    /// Reading and validating states and contacts.
     pub look: f64,
-    /// What the timing cost beside that.
+    /// The cost of timing, which is not part of the other fields.
     pub timing: f64,
 }
 
 /// Nanoseconds that the timing of one call costs.
 #[derive(Clone, Copy, Debug)]
 struct Cost {
-    /// Between the two readings.
+    /// The part between the two clock readings.
     inside: u64,
     /// All of it.
     whole: f64,
 }
 
 impl Spent {
-    /// The times so far, without the timing's own.
+    /// The times so far, without the cost of timing.
     pub fn seconds(&self) -> Seconds {
         let seconds = |counter: &AtomicU64| counter.load(Ordering::Relaxed) as f64 * 1e-9;
         let timing = self.calls.load(Ordering::Relaxed) as f64 * Cost::known().whole * 1e-9;
@@ -66,7 +66,7 @@ impl Spent {
 }
 
 impl Cost {
-    /// Measured once, on calls of nothing; the least disturbed of some stretches counts.
+    /// Measured once, on empty calls, as the minimum over several stretches.
     fn known() -> Self {
         const STRETCHES: usize = 9;
         const CALLS: u64 = 5_000;
@@ -86,14 +86,14 @@ impl Cost {
     }
 }
 
-/// An engine under the clock.
+/// An engine whose calls are timed.
 pub struct Metered {
     inner: Arc<dyn Engine>,
     spent: Arc<Spent>,
 }
 
 impl Metered {
-    /// Puts an engine under the clock; the times gather in what comes with it.
+    /// Wraps an engine; the times accumulate in the second value.
     pub fn new(inner: Arc<dyn Engine>) -> (Self, Arc<Spent>) {
         let spent = Arc::new(Spent::default());
         (Self { inner, spent: spent.clone() }, spent)

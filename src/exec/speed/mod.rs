@@ -1,6 +1,6 @@
-//! How fast a spec runs on this machine: physics alone, a rollout, the learner, and all together.
+//! How fast a spec runs on this machine: physics alone, a rollout, the learner, and the whole training.
 //!
-//! CPU time is the figure to compare: wall time on a shared machine is what the others leave.
+//! Compare CPU times: on a shared machine, wall time depends on the load.
 
 mod metered;
 mod scaling;
@@ -23,18 +23,18 @@ use crate::learn::{LearnError, Settings, Start, Training, UpdateMetrics, Watch, 
 use crate::robot::SelfCollision;
 use crate::sim::{self, Engine};
 
-/// Updates that are timed, after one that warms up.
+/// Number of timed updates, after one for warm-up.
 const UPDATES: u64 = 3;
 
 /// What was measured.
 #[derive(Clone, Debug, Serialize)]
 pub struct Speed {
-    /// CPU time of one physics step of the standing robot in microseconds: torques handed over, step, state
-    /// and contacts read. A robot's share, where the engine advances several together.
+    /// CPU time in microseconds of one physics step of the standing robot: setting torques, step, reading
+    /// state and contacts. Per robot, if the engine advances several together.
     pub physics_us_per_step: f64,
-    /// The same of the engine's own step alone, as a program pays that calls the engine directly.
+    /// The same for the engine's step alone, as in a program that calls the engine directly.
     pub engine_us_per_step: f64,
-    /// The engine's own step of the robot under position control towards its reference motion.
+    /// The engine's step alone while position control moves the robot along its reference motion.
     pub moving_us_per_step: f64,
     /// Worlds that the engine advances together.
     pub lanes: usize,
@@ -42,25 +42,25 @@ pub struct Speed {
     pub rollout: RolloutShares,
     /// Control steps per second of wall time while collecting, on all threads.
     pub rollout_samples_per_s: f64,
-    /// The same over that on one thread.
+    /// The same relative to one thread.
     pub rollout_scaling: f64,
-    /// CPU time of the learner per sample in microseconds, both networks and all passes.
+    /// CPU time of the learner per sample in microseconds, for both networks and all epochs.
     pub learner_us_per_sample: f64,
-    /// Samples per second of wall time, all together.
+    /// Samples per second of wall time for the whole training.
     pub samples_per_s: f64,
-    /// Where the time of an iteration goes, and what the threads bring.
+    /// Where the time of an iteration goes, and how it scales with threads.
     pub scaling: Scaling,
-    /// CPU time per sample in microseconds, all together, over all threads.
+    /// CPU time per sample in microseconds for the whole training, over all threads.
     pub cpu_us_per_sample: f64,
     /// Largest resident memory of the process in MB.
     pub peak_memory_mb: f64,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
-    /// The engine.
+    /// Name of the engine.
     pub engine: String,
-    /// The robot.
+    /// Name of the robot.
     pub robot: String,
-    /// What the figures depend on.
+    /// The settings that the figures depend on.
     pub settings: Conditions,
 }
 
@@ -77,24 +77,24 @@ pub struct RolloutShares {
     pub build: f64,
     /// The policy, observations, rewards, the controller and records.
     pub rest: f64,
-    /// Of it the actor's inference.
+    /// Actor inference, part of `rest`.
     pub policy: f64,
-    /// Of it the check for self-collision; zero where the spec does not ask for one.
+    /// Self-collision check, part of `rest`; zero if the spec does not request it.
     pub self_collision: f64,
-    /// What comes after the steps and is not in the total: the critic's values and the advantages.
+    /// Critic values and advantages, computed after the steps and not part of `total`.
     pub values: f64,
-    /// Share of the engine: steps, looks and builds.
+    /// Share of the engine: `step`, `look` and `build`.
     pub physics_share: f64,
 }
 
-/// What the figures depend on.
+/// The settings that the figures depend on.
 #[derive(Clone, Debug, Serialize)]
 pub struct Conditions {
     /// Physics rate in Hz.
     pub physics_rate: f64,
     /// Control rate in Hz.
     pub control_rate: f64,
-    /// Environments side by side.
+    /// Number of parallel environments.
     pub environments: usize,
     /// Samples per update.
     pub rollout: usize,
@@ -104,7 +104,7 @@ pub struct Conditions {
     pub epochs: usize,
 }
 
-/// Why nothing was measured.
+/// Why the speed could not be measured.
 #[derive(Debug, thiserror::Error)]
 pub enum SpeedError {
     /// The environment cannot be built.
@@ -116,7 +116,7 @@ pub enum SpeedError {
     /// The learner failed.
     #[error(transparent)]
     Learn(#[from] LearnError),
-    /// The folder of a training cannot be made.
+    /// The folder of a training cannot be created.
     #[error("{path}: {source}")]
     Scratch {
         /// The folder.
@@ -124,10 +124,10 @@ pub enum SpeedError {
         /// What the system said.
         source: std::io::Error,
     },
-    /// A gradient was no number.
+    /// A gradient was NaN or infinite.
     #[error("a gradient is not a number: the learning rate or the rewards are too large")]
     Gradient,
-    /// A reward was no number.
+    /// A reward was NaN or infinite.
     #[error("environment {} had a reward that is no number in step {} of episode \
         {}", .0.environment, .0.step, .0.episode)]
     Reward(NotANumber),
@@ -149,7 +149,7 @@ pub fn measure(
 ) -> Result<Speed, SpeedError> {
     let steps = steps::measure(blueprint, &engine)?;
     settings.samples = (1 + UPDATES) * settings.batch() as u64;
-    // An update without a pre-trained actor, with both networks learning in all passes.
+    // Time updates without warm-up from pre-training, in which both networks learn in all epochs.
     settings.warm_up = 0;
     let rollout = shares(blueprint, engine.clone(), &settings)?;
     let turns = scaling::turns(blueprint, &engine, &settings, threads)?;
@@ -190,7 +190,7 @@ pub fn measure(
     })
 }
 
-/// The environments of a training on so many threads.
+/// The environments of a training on this many threads.
 fn crews(
     blueprint: &Blueprint,
     engine: Arc<dyn Engine>,
@@ -201,8 +201,8 @@ fn crews(
     Ok(RobotCrew::divided(&scene, settings.environments, threads))
 }
 
-/// Where the CPU time of a rollout goes, on one thread: all of it from rollouts as they are, the shares from
-/// the same rollouts with every call of the engine timed.
+/// Where the CPU time of a rollout goes, on one thread: the total from unmodified rollouts, the shares from
+/// the same rollouts with all engine calls timed.
 fn shares(
     blueprint: &Blueprint,
     engine: Arc<dyn Engine>,
@@ -236,7 +236,7 @@ fn shares(
     Ok(RolloutShares { total, step, look, build, rest, policy, self_collision, values, physics_share })
 }
 
-/// CPU time in s of a check for self-collision in the poses of the reference; zero where the scene has none.
+/// CPU time in s of one self-collision check, over poses of the reference; zero if the scene has none.
 fn self_collision(blueprint: &Blueprint, scene: &Scene) -> f64 {
     const POSES: usize = 720;
     let Some(pairs) = scene.guarded() else { return 0.0 };
@@ -252,7 +252,7 @@ fn self_collision(blueprint: &Blueprint, scene: &Scene) -> f64 {
     median((0..9).map(&mut round).collect())
 }
 
-/// A training of a few updates on so many threads, in a new folder of that name.
+/// A training of a few updates on this many threads, in a new folder of that name.
 fn training(
     blueprint: &Blueprint,
     engine: &Arc<dyn Engine>,
@@ -270,7 +270,7 @@ fn training(
     Ok(Seen { seen, clock })
 }
 
-/// The updates of a training; the first warms up.
+/// The updates of a training; the first is for warm-up.
 #[derive(Clone)]
 struct Seen {
     seen: Vec<UpdateMetrics>,
@@ -283,19 +283,19 @@ impl Seen {
         (self.seen[self.seen.len() - 1].samples - self.seen[0].samples) as f64
     }
 
-    /// Per second of wall time.
+    /// Samples per second of wall time.
     fn samples_per_s(&self) -> f64 {
         self.samples() / (self.seen[self.seen.len() - 1].wall_s - self.seen[0].wall_s)
     }
 }
 
-/// The middle of some figures.
+/// The median.
 fn median(mut figures: Vec<f64>) -> f64 {
     figures.sort_by(f64::total_cmp);
     figures[figures.len() / 2]
 }
 
-/// Largest resident memory of this process in MB, from the kernel's own account; 0 where there is none.
+/// Peak resident memory of this process in MB, as reported by the kernel; 0 if unavailable.
 fn peak_memory() -> f64 {
     let status = bounded::text(Path::new("/proc/self/status"), bounded::WRITTEN).unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap_or_default();
@@ -305,7 +305,7 @@ fn peak_memory() -> f64 {
         .map_or(0.0, |kib| kib / 1024.0)
 }
 
-/// Keeps the metrics, and what this thread has spent until then.
+/// Records the metrics and this thread's CPU time at each update.
 #[derive(Default)]
 struct Observer {
     seen: Mutex<Vec<(UpdateMetrics, f64)>>,

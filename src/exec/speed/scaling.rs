@@ -1,4 +1,4 @@
-//! Rollouts and trainings on one thread and on as many as are asked for, measured in turn.
+//! Rollouts and trainings on one thread and on the requested number, measured alternately.
 
 use std::sync::Arc;
 
@@ -10,15 +10,15 @@ use crate::learn::Settings;
 use crate::learn::bench::Rollouts;
 use crate::sim::Engine;
 
-/// Rollouts and updates with one thread and with all, in turn; the medians count.
+/// Repetitions, alternating between one thread and all; the medians are reported.
 const TURNS: usize = 5;
 
-/// Where the CPU time of an iteration goes, and what threads bring.
+/// Where the CPU time of an iteration goes, and how it scales with threads.
 #[derive(Clone, Debug, Serialize)]
 pub struct Scaling {
     /// Medians on one thread, CPU time in microseconds per sample.
     pub parts: Parts,
-    /// One thread, and all where there are more.
+    /// One thread and, if there are more, all threads.
     pub rows: Vec<Row>,
 }
 
@@ -27,11 +27,11 @@ pub struct Scaling {
 pub struct Parts {
     /// The rollout: environments and inference, split over all threads.
     pub rollout: f64,
-    /// The actor's passes.
+    /// The actor's gradient steps.
     pub actor: f64,
-    /// The critic's, beside the actor's where there are two threads.
+    /// The critic's gradient steps; concurrent with the actor's if there are two or more threads.
     pub critic: f64,
-    /// What one thread does alone: metrics, checks, files, the networks laid out anew.
+    /// What only one thread does: metrics, checks, files, and conversion of the networks.
     pub serial: f64,
 }
 
@@ -40,13 +40,13 @@ pub struct Parts {
 pub struct Row {
     /// Threads.
     pub threads: usize,
-    /// By the CPU time of the thread that the others wait for: what an undisturbed machine would do.
+    /// From the CPU time of the slowest thread: the rate on an otherwise idle machine.
     pub undisturbed: f64,
-    /// By the wall clock of a training.
+    /// From the wall time of a training.
     pub measured: f64,
 }
 
-/// The learner's share of an iteration.
+/// The learner's time per iteration: the networks run in parallel on two or more threads.
 fn learner([actor, critic]: [f64; 2], threads: usize) -> f64 {
     if threads > 1 { f64::max(actor, critic) } else { actor + critic }
 }
@@ -57,10 +57,10 @@ pub(super) struct Turns {
     together: Turn,
 }
 
-/// Medians on one number of threads, in s per rollout.
+/// Medians for one number of threads, in s per rollout.
 #[derive(Default)]
 struct Turn {
-    /// CPU time of the thread with the most to do.
+    /// CPU time of the busiest thread.
     longest: f64,
     /// Wall time of the rollout.
     wall: f64,
@@ -68,7 +68,7 @@ struct Turn {
     learner: [f64; 2],
 }
 
-/// Measures rollouts and updates, in turn on all threads and on one, so that both see the same machine.
+/// Measures rollouts and updates, alternating between all threads and one so that the load affects both.
 pub(super) fn turns(
     blueprint: &Blueprint,
     engine: &Arc<dyn Engine>,
@@ -100,7 +100,7 @@ impl Turns {
         (samples as f64 / self.together.wall, self.alone.wall / self.together.wall)
     }
 
-    /// The parts on one thread, and a training on one thread and one on all.
+    /// The parts on one thread, and the rates of trainings on one thread and on all.
     pub(super) fn scaling(&self, samples: usize, alone: &Seen, together: &Seen, threads: usize) -> Scaling {
         let us = |seconds: f64| 1e6 * seconds / samples as f64;
         let [actor, critic] = self.alone.learner.map(us);
@@ -118,7 +118,7 @@ impl Turns {
     }
 }
 
-/// What the thread of a training on one thread did beside rollouts and passes, in microseconds per sample.
+/// Time of a single-threaded training outside rollouts and gradient steps, in microseconds per sample.
 fn serial(training: &Seen) -> f64 {
     let last = training.seen.len() - 1;
     let whole = training.clock[last] - training.clock[0];
@@ -148,7 +148,7 @@ mod tests {
         assert!((scaling.parts.serial - 10.0).abs() < 1e-9, "{:?}", scaling.parts);
         let [one, three] = &scaling.rows[..] else { panic!("{:?}", scaling.rows) };
         assert_eq!((one.threads, three.threads), (1, 3));
-        // On one thread actor and critic follow each other, on more the slower one counts.
+        // On one thread the actor and critic times add up; with more, the slower one counts.
         assert!((one.undisturbed - 1e6 / (10.0 + 100.0 + 10.0)).abs() < 1e-6);
         assert!((three.undisturbed - 1e6 / (10.0 + 40.0 + 6.0)).abs() < 1e-6);
         assert!((one.measured - 5e3).abs() < 1e-6 && (three.measured - 1e4).abs() < 1e-6);

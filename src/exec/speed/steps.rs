@@ -1,5 +1,5 @@
-//! Time of a physics step of the spec's robot on flat ground, as many robots beside each other as the engine
-//! advances together: held in its default pose, and moving as its reference does.
+//! Time of a physics step of the spec's robot on flat ground, with as many robots as the engine advances
+//! together: held in its default pose, and moving along its reference.
 
 use std::borrow::Cow;
 use std::hint::black_box;
@@ -12,24 +12,24 @@ use crate::learn::clock::timed;
 use crate::robot::Robot;
 use crate::sim::{self, Engine, EngineError, EngineSettings, State, Terrain, Worlds};
 
-/// Physics steps that are timed at a stretch.
+/// Physics steps per timed stretch.
 const STEPS: usize = 1000;
-/// Stretches of each kind, in turn.
+/// Stretches of each kind, measured alternately.
 const STRETCHES: usize = 9;
-/// Time in s for which a robot follows its reference: after that, without a policy, it may have fallen.
+/// How long in s a robot follows its reference before a reset; without a policy it may fall later.
 const SPELL: f64 = 0.5;
 
-/// CPU microseconds per robot and step.
+/// CPU time per robot and step, in microseconds.
 pub(super) struct Steps {
-    /// Standing, as an environment steps: torques handed over, step, state and contacts read.
+    /// Standing, as in an environment: setting torques, step, reading state and contacts.
     pub whole: f64,
-    /// Standing, the engine's own step alone.
+    /// Standing, the engine's step alone.
     pub bare: f64,
-    /// Moving, the engine's own step alone.
+    /// Moving, the engine's step alone.
     pub moving: f64,
 }
 
-/// Measures.
+/// Measures all three.
 pub(super) fn measure(blueprint: &Blueprint, engine: &Arc<dyn Engine>) -> Result<Steps, EngineError> {
     let mut robots = Robots::new(blueprint, engine)?;
     let (mut whole, mut bare, mut moving) = (Vec::new(), Vec::new(), Vec::new());
@@ -49,7 +49,7 @@ pub(super) fn measure(blueprint: &Blueprint, engine: &Arc<dyn Engine>) -> Result
     Ok(Steps { whole: us(whole), bare: us(bare), moving: us(moving) })
 }
 
-/// Robots under position control by their own gains.
+/// Robots under position control with their own gains.
 struct Robots<'a> {
     robot: &'a Robot,
     motion: Cow<'a, Motion>,
@@ -63,7 +63,7 @@ struct Robots<'a> {
 struct Member {
     state: State,
     torque: Vec<f64>,
-    /// Where in the cycle it starts to follow the reference.
+    /// Phase of the cycle at which it starts to follow the reference.
     phase: f64,
 }
 
@@ -91,7 +91,7 @@ impl<'a> Robots<'a> {
         Ok(robots)
     }
 
-    /// Puts all robots where they stand.
+    /// Puts all robots in their initial state.
     fn rest(&mut self) -> Result<(), EngineError> {
         for (slot, member) in self.members.iter_mut().enumerate() {
             member.state = State {
@@ -106,7 +106,7 @@ impl<'a> Robots<'a> {
         Ok(())
     }
 
-    /// Physics steps as an environment makes them, in the default pose.
+    /// Physics steps as in an environment, in the default pose.
     fn stand(&mut self, steps: usize, mut advance: impl FnMut(&mut dyn Worlds)) {
         let pose = self.robot.default_pose();
         for _ in 0..steps {
@@ -123,7 +123,7 @@ impl<'a> Robots<'a> {
         }
     }
 
-    /// Physics steps towards the poses of the reference, each robot at its own place of the cycle.
+    /// Physics steps towards the poses of the reference, each robot at its own phase of the cycle.
     fn walk(&mut self, steps: usize, mut advance: impl FnMut(&mut dyn Worlds)) -> Result<(), EngineError> {
         let (step, spell) = (self.settings.step, (SPELL / self.settings.step).ceil() as usize);
         for index in 0..steps {
@@ -153,7 +153,7 @@ impl<'a> Robots<'a> {
     }
 }
 
-/// The torques that pull a robot to a pose.
+/// Computes the torques that drive a robot to a pose.
 fn pull(robot: &Robot, pose: &[f64], member: &mut Member) {
     for (index, link) in robot.links.iter().enumerate() {
         let joint = &link.joint;

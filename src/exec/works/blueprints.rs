@@ -1,4 +1,4 @@
-//! The environment and the controller as checked, inspectable files.
+//! The environment and the controller as validated, human-readable files.
 
 use serde::Serialize;
 
@@ -23,7 +23,7 @@ impl Work for Env {
     }
 }
 
-/// `controller.json`: the low-level law and what each output of the policy means.
+/// `controller.json`: the low-level controller and the meaning of each policy output.
 pub struct Controller;
 
 #[derive(Serialize)]

@@ -21,8 +21,8 @@ use crate::outcome::Evaluation;
 use crate::sim;
 use crate::spec::typed::InSection;
 
-/// `evaluation.json`: the deterministic policy, in the engine that it was trained in unless the table names
-/// another.
+/// `evaluation.json`: the deterministic policy in the engine of its training, unless the table names another
+/// one.
 pub struct Evaluate;
 
 impl Work for Evaluate {
@@ -46,8 +46,8 @@ impl Work for Evaluate {
     }
 }
 
-/// `policy.safetensors` and `contract.json`, and `policy.pt` on request: the policy as an artefact that needs
-/// no spec.
+/// `policy.safetensors` and `contract.json`, and `policy.pt` on request: the policy in a form that needs no
+/// spec.
 pub struct Export;
 
 impl Work for Export {
@@ -91,12 +91,12 @@ fn actor(job: &Job) -> Result<Network, WorkError> {
     Network::from_safetensors("actor", &bytes(&job.input("learner", "actor.safetensors")?)?).map_err(failed)
 }
 
-/// An exported policy, of bytes for which this vouches.
+/// Reads an exported policy; `trust` is what vouches for its file.
 pub fn read_policy(path: &Path, trust: Trust) -> Result<Policy, WorkError> {
     Policy::trusted(&bytes(path)?, trust).map_err(unusable)
 }
 
-/// An exported policy in an engine, its own or another, on up to `threads` threads, with a follower.
+/// Runs an exported policy in its own or another engine, on up to `threads` threads, with a follower.
 pub fn transferred(
     policy: &Policy,
     transfer: &Protocol,

@@ -64,7 +64,7 @@ impl Work for Learner {
     }
 }
 
-/// The same files: the policy of another training, gone on from in this environment.
+/// The same files: the policy of another training, trained further in this environment.
 pub struct FineTune;
 
 impl Work for FineTune {
@@ -78,7 +78,7 @@ impl Work for FineTune {
     }
 }
 
-/// Trains and writes what came out.
+/// Trains, and writes the results.
 fn trained(job: &Job, (blueprint, settings): (&Blueprint, &Settings), start: Start) -> Result<(), WorkError> {
     let training = Training {
         settings,
@@ -100,7 +100,7 @@ fn network(job: &Job, role: &str, name: &str) -> Result<Network, WorkError> {
     Network::from_safetensors(name, &bytes(&path)?).map_err(failed)
 }
 
-/// Tells the events what a training does, and the training whether to stop.
+/// Reports the events of a training, and tells it when to stop.
 struct Follower<'a> {
     job: &'a Job<'a>,
     total: u64,
@@ -147,7 +147,7 @@ impl Watch for Follower<'_> {
 }
 
 impl Follower<'_> {
-    /// Tells what was found, one warning per code: what one joint does, its neighbours often do, too.
+    /// Reports findings, one warning per code, because neighbouring joints often share a problem.
     fn warn(&self, findings: &[Finding]) {
         for same in findings.chunk_by(|a, b| a.code == b.code) {
             let Finding { code, message, .. } = &same[0];

@@ -1,9 +1,8 @@
-//! The episodes of a running evaluation, kept in the scratch folder of its stage as they are measured, so
-//! that an evaluation that was interrupted goes on where it stopped.
+//! The episodes of a running evaluation, saved in its stage's scratch folder as they are measured, so that an
+//! interrupted evaluation continues where it stopped.
 //!
-//! A file of lines: a heading that says which build wrote it for which stage, then an episode each, with a
-//! digest. What another build has written is not taken up, and what follows a line that was changed or cut
-//! off is measured again.
+//! The file has a header line with the build and the stage, then one line with a digest per episode. Files of
+//! another build are ignored, and everything after a changed or incomplete line is measured again.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -25,7 +24,7 @@ use crate::safe_fs;
 /// The file's name in the scratch folder.
 const NAME: &str = "episodes.jsonl";
 
-/// A line.
+/// One episode.
 #[derive(Serialize, Deserialize)]
 struct Line {
     index: usize,
@@ -33,7 +32,7 @@ struct Line {
     trace: Option<Trace>,
 }
 
-/// The record of a stage's episodes, which also tells of its progress.
+/// The saved episodes of a stage; also reports its progress.
 pub struct Ledger<'a> {
     job: &'a Job<'a>,
     total: usize,
@@ -43,7 +42,7 @@ pub struct Ledger<'a> {
 }
 
 impl<'a> Ledger<'a> {
-    /// Opens the record of a stage with this many episodes.
+    /// Opens the file of a stage with this many episodes.
     pub fn open(job: &'a Job, total: usize) -> Result<Self, WorkError> {
         let path = job.scratch.join(NAME);
         let heading = heading(job.stage.fingerprint.as_str());
@@ -53,7 +52,7 @@ impl<'a> Ledger<'a> {
         Ok(Self { job, total, path, known, file: Mutex::new(Ok(file)) })
     }
 
-    /// Why the record could not be kept, if it could not.
+    /// Closes the file; fails if episodes could not be saved.
     pub fn close(self) -> Result<(), WorkError> {
         let file = self.file.into_inner().unwrap_or_else(PoisonError::into_inner);
         file.map(drop).map_err(|error| WorkError::io(&self.path, error))
@@ -89,18 +88,18 @@ impl Follower for Ledger<'_> {
     }
 }
 
-/// Which build writes and reads, and for which stage.
+/// The header line: build and stage.
 fn heading(key: &str) -> String {
     format!("specforge {} {} {key}", env!("CARGO_PKG_VERSION"), env!("SPECFORGE_COMMIT"))
 }
 
-/// The open file and what the next line's digest covers.
+/// The open file, and what the next line's digest covers.
 struct Record {
     file: File,
     chain: String,
 }
 
-/// The episodes of a record, up to the first line that is none.
+/// Reads the episodes up to the first invalid line.
 fn read(text: &str, heading: &str) -> BTreeMap<usize, Measured> {
     let mut all = text.lines();
     if all.next() != Some(heading) {
@@ -115,7 +114,7 @@ fn read(text: &str, heading: &str) -> BTreeMap<usize, Measured> {
     lines.map(|line| (line.index, (line.episode, line.trace))).collect()
 }
 
-/// Writes the record anew with what is known, in place of the old one, and leaves it open.
+/// Replaces the file by one with the known episodes, and leaves it open.
 fn begin(path: &Path, heading: &str, known: &BTreeMap<usize, Measured>) -> io::Result<Record> {
     let draft = path.with_extension("new");
     let file = safe_fs::no_follow().write(true).create(true).truncate(true).open(&draft)?;
@@ -128,8 +127,8 @@ fn begin(path: &Path, heading: &str, known: &BTreeMap<usize, Measured>) -> io::R
 }
 
 impl Record {
-    /// Adds a line, in one piece. An episode whose numbers are not finite fails its evaluation, and is not
-    /// kept.
+    /// Appends a line in one write. Episodes with non-finite numbers make the evaluation fail and are not
+    /// saved.
     fn append(&mut self, index: usize, (episode, trace): &Measured) -> io::Result<()> {
         let line = Line { index, episode: episode.clone(), trace: trace.clone() };
         let Ok(body) = finite::to_string(&line) else { return Ok(()) };

@@ -1,6 +1,6 @@
-//! The work of each kind of stage: reads inputs, calls the layer that knows how, writes files.
+//! The implementation of each kind of stage: reads inputs, calls the layer that does the work, writes files.
 //!
-//! The report's work is not here but in `cli`, which wires it in: `report` stands below this module.
+//! The report's is in `cli` instead, because `report` comes after this module in the layer order.
 
 mod blueprints;
 pub mod episodes;
@@ -18,7 +18,7 @@ use crate::plan::StageKind;
 use crate::spec::Section;
 use crate::spec::typed::Part;
 
-/// The works of all stages but the report's.
+/// The implementations of all stages except the report.
 pub fn works() -> Works {
     let mut works = Works::new();
     works.insert(StageKind::Robot, Box::new(robot::RobotWork));
@@ -44,7 +44,7 @@ fn section<'a>(job: &'a Job, name: &str) -> Result<Section<'a>, WorkError> {
     job.section(name).ok_or_else(|| WorkError::failed(format!("the spec has no section [{name}]")))
 }
 
-/// A section that the stage declares, in Rust.
+/// A section that the stage declares, decoded.
 fn part<P: Part>(job: &Job) -> Result<P, WorkError> {
     let part = Section::new(job.fields).part();
     part.ok_or_else(|| WorkError::failed(format!("the spec has no section [{}]", P::SECTION)))
@@ -55,7 +55,7 @@ fn bytes(path: &Path) -> Result<Vec<u8>, WorkError> {
     bounded::bytes(path, bounded::ARTEFACT).map_err(|error| WorkError::io(path, error.into()))
 }
 
-/// Any error of a layer above as a failure without a code.
+/// Converts any error of a lower layer to a failure without a code.
 fn failed(error: impl std::fmt::Display) -> WorkError {
     WorkError::failed(error.to_string())
 }

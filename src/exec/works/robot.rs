@@ -1,4 +1,4 @@
-//! The robot stage: the checked model, with its payload and what the spec states about its joints, as an
+//! The robot stage: the validated model, with its payload and the joint values that the spec sets, as an
 //! artefact.
 
 use nalgebra::Point3;
@@ -19,7 +19,7 @@ impl Work for RobotWork {
     }
 }
 
-/// The model of a stage. The plan holds it resolved, so that its numbers are part of the fingerprint.
+/// The model of a stage. The plan stores it resolved, so that its numbers are part of the fingerprint.
 pub fn resolved(content: &serde_json::Value, fields: &Table) -> Result<Robot, serde_json::Error> {
     let mut robot: Robot = serde_json::from_value(content.clone())?;
     let payload = Section::new(fields).at(section::Robot::payload);
