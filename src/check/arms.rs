@@ -1,5 +1,5 @@
-//! The findings of a suite's arms as one list: what several arms share is told once, and what only some have
-//! says which.
+//! Merges the diagnostics of a suite's arms: one shared by several arms is reported once, and one of only
+//! some arms names them.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,10 +7,10 @@ use super::CheckedArm;
 use crate::diag::{Diagnostic, Severity, Sink, Span};
 use crate::spec::suite::Suite;
 
-/// What makes two findings the same: code, severity, message and places.
+/// Identifies equal diagnostics: code, severity, message and places.
 type Identity = (&'static str, Severity, String, Vec<(Span, String)>);
 
-/// Adds the findings of all arms, by arm, to those of the suite.
+/// Adds the diagnostics of all arms, given by arm, to those of the suite.
 pub fn gather(suite: &Suite, arms: &[CheckedArm], found: Vec<Vec<Diagnostic>>, sink: &mut Sink) {
     let known: Vec<Identity> = sink.diagnostics.iter().map(identity).collect();
     let mut first: Vec<(Diagnostic, Vec<usize>)> = Vec::new();
@@ -37,8 +37,8 @@ pub fn gather(suite: &Suite, arms: &[CheckedArm], found: Vec<Vec<Diagnostic>>, s
         .sort_by_key(|found| found.labels.first().map(|label| (label.span.source, label.span.start)));
 }
 
-/// Where the sweep has mistakes, keeps the findings that do not depend on which combinations it selects: those
-/// of all arms, and those of all arms at one point.
+/// If the sweep is invalid, keeps the diagnostics that do not depend on its selection: those of all arms, or
+/// of all arms at one point.
 pub fn keep_certain(arms: &[CheckedArm], found: &mut [Vec<Diagnostic>]) {
     let mut of: BTreeMap<Identity, Vec<usize>> = BTreeMap::new();
     for (arm, diagnostics) in found.iter().enumerate() {
@@ -59,8 +59,7 @@ fn identity(diagnostic: &Diagnostic) -> Identity {
     (diagnostic.code, diagnostic.severity, diagnostic.message.clone(), places)
 }
 
-/// Says in which arms something was found: by the points that they have in common, when no other arm has
-/// them.
+/// Names the arms with a diagnostic by the points they have in common, if no other arm has these.
 fn note(suite: &Suite, arms: &[CheckedArm], diagnostic: Diagnostic, of: &[usize]) -> Diagnostic {
     let points = |arm: usize| &arms[arm].arm.points;
     let common: Vec<&(String, String)> =
@@ -80,7 +79,7 @@ fn note(suite: &Suite, arms: &[CheckedArm], diagnostic: Diagnostic, of: &[usize]
     };
     let own = diagnostic.labels.first().is_some_and(|label| label.span.source == suite.source);
     if own && common.len() == 1 {
-        // The mistake stands in the point itself.
+        // The label already points at that point of the sweep.
         return diagnostic;
     }
     let name: Vec<String> = common.iter().map(|(axis, point)| format!("{axis}={point}")).collect();

@@ -1,5 +1,5 @@
-//! The specs that a page compares its arms with (`report.baseline`): each is a sound spec of its own, and
-//! there is one for the task of every arm (E0608).
+//! The specs that a report compares its arms with (`report.baseline`): each is valid by itself, and the task
+//! of every arm has one (E0608).
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -15,17 +15,17 @@ use crate::spec::typed::InSection;
 use crate::spec::{Experiment, LoadOptions, Loaded, NamedSpec, Reach, Section, Table};
 use crate::syntax::{self, Files};
 
-/// Baselines that lead to others are followed so far; longer chains are no circle.
+/// Maximum depth to which baselines of baselines are followed; a longer chain is not a cycle.
 const DEEPEST: usize = 32;
 
-/// Who names baselines.
+/// The spec or suite with the key `report.baseline`.
 pub(super) struct Naming<'a> {
     pub files: &'a dyn Files,
-    /// The spec or suite.
+    /// Its path.
     pub by: &'a Path,
     pub named: &'a [NamedSpec],
     pub reach: &'a Reach,
-    /// The options under which it is checked; baselines have no profile and no assignments.
+    /// The options for checking it; baselines have no profile and no assignments.
     pub options: &'a LoadOptions,
 }
 
@@ -45,7 +45,7 @@ pub(super) fn task(experiment: &Experiment) -> Option<String> {
 }
 
 impl Checker {
-    /// The values of the baselines in their order, for arms of these tasks. What is wrong with one is told
+    /// The values of the baselines, in order, for arms with these tasks. Mistakes in a baseline are reported
     /// where it is named.
     pub(super) fn baselines(
         &mut self,
@@ -60,7 +60,7 @@ impl Checker {
                 Err(error) => sink.emit(at(error, named)),
             }
         }
-        // Whether one is lacking is known when all of them are.
+        // Whether one is missing is known only once all are loaded.
         if let Some(first) = naming.named.first().filter(|_| found.len() == naming.named.len()) {
             let there: BTreeSet<String> = found.iter().filter_map(task).collect();
             tasks.difference(&there).for_each(|task| sink.emit(at(of_another_task(task, &there), first)));
@@ -73,7 +73,7 @@ impl Checker {
         found.into_iter().map(|experiment| experiment.table).collect()
     }
 
-    /// A baseline as it stands.
+    /// A baseline without profile and assignments.
     fn baseline(&mut self, naming: &Naming<'_>, path: &Path) -> Result<Experiment, Diagnostic> {
         let shown = escape::file(path);
         let wrong = |message: String, advice: &str| Err(Diagnostic::error("E0608", message).help(advice));
@@ -132,7 +132,7 @@ impl Checker {
         loaded
     }
 
-    /// The files of a cycle of baselines that can be reached from a loaded spec; `None` if there is no cycle.
+    /// The files of a cycle of baselines reachable from a loaded spec; `None` without a cycle.
     fn circle(
         &mut self,
         naming: &Naming<'_>,
@@ -158,19 +158,19 @@ impl Checker {
     }
 }
 
-/// The way from a spec over its baseline to the baseline's.
+/// The chain of baselines from a spec.
 struct Trail {
     steps: Vec<PathBuf>,
-    /// What leads into no circle.
+    /// Specs known not to lead to a cycle.
     done: BTreeSet<PathBuf>,
 }
 
-/// The task and the kind of action of a spec, by which an arm finds its baseline.
+/// The task and the kind of action, which select an arm's baseline.
 fn of(experiment: &Experiment) -> [Option<String>; 2] {
     [Task::SECTION, Action::SECTION].map(|section| Some(experiment.section(section)?.kind()?.to_owned()))
 }
 
-/// E0608: no arm would be compared with the second of two baselines of one task and action.
+/// E0608: of two baselines with the same task and action, the second would never be used.
 fn twice(first: &NamedSpec, second: &NamedSpec, experiment: &Experiment) -> Diagnostic {
     let [task, action] = of(experiment).map(Option::unwrap_or_default);
     let [one, other] = [first, second].map(|named| escape::file(&named.path));

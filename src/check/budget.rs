@@ -1,12 +1,12 @@
-//! E0507, W0508 and W0522 between keys of the learner: the parts of a rollout divide it, the actor has its
-//! turn, and an early stop comes after an update and before the end.
+//! E0507, W0508 and W0522 between keys of the learner: batches divide the rollout, the actor is trained after
+//! the critic's warm-up, and an early stop is after the first update and before the end.
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::learn::Ppo;
 use crate::syntax::Layer;
 
-/// `learn.environments` divides `learn.rollout`, and a minibatch is not larger than a rollout.
+/// `learn.environments` divides `learn.rollout`, and a minibatch is at most one rollout.
 pub fn batches_divide_the_rollout(subject: &Subject, sink: &mut Sink) {
     let Some(rollout) = subject.at(Ppo::rollout) else { return };
     let mut report = |path: &str, message: String, advice: String, most: u64| {
@@ -44,11 +44,11 @@ pub fn batches_divide_the_rollout(subject: &Subject, sink: &mut Sink) {
     }
 }
 
-/// The budget has updates beyond the critic's warm-up.
+/// The budget has updates after the critic's warm-up.
 pub fn the_actor_has_its_turn(subject: &Subject, sink: &mut Sink) {
     let (Some(samples), Some(warm_up)) = (subject.at(Ppo::samples), subject.at(Ppo::warm_up)) else { return };
     let Some(rollout) = subject.at(Ppo::rollout).map(|rollout| rollout as u64) else { return };
-    // Without samples nothing is meant to be learned.
+    // With 0 samples no training is intended.
     if samples == 0 {
         return;
     }
@@ -82,7 +82,7 @@ pub fn the_actor_has_its_turn(subject: &Subject, sink: &mut Sink) {
     });
 }
 
-/// An early stop is not within the first update: a training ends after whole ones.
+/// An early stop is after the first update: trainings end after whole updates.
 pub fn the_stop_comes_after_an_update(subject: &Subject, sink: &mut Sink) {
     let (Some(stop), Some(samples)) = (subject.at(Ppo::stop_at), subject.at(Ppo::samples)) else { return };
     let Some(rollout) = subject.at(Ppo::rollout).map(|rollout| rollout as u64) else { return };
@@ -104,7 +104,7 @@ pub fn the_stop_comes_after_an_update(subject: &Subject, sink: &mut Sink) {
     sink.emit(subject.edited(&Ppo::stop_at.path(), rollout.to_string(), diagnostic));
 }
 
-/// An early stop comes before the end of the budget.
+/// An early stop is before the end of the budget.
 pub fn the_stop_comes_before_the_end(subject: &Subject, sink: &mut Sink) {
     let (Some(stop), Some(samples)) = (subject.at(Ppo::stop_at), subject.at(Ppo::samples)) else { return };
     if stop < samples {

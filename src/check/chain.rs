@@ -1,5 +1,5 @@
-//! From a mistake to those who wrote it: the last writer of the values that do not fit each other is blamed,
-//! and what a profile or a `--set` replaced is shown.
+//! Locates a mistake: the primary label is the conflicting value that was set last, and the values that a
+//! profile or a `--set` replaced are shown.
 
 use std::cmp::Reverse;
 
@@ -7,10 +7,10 @@ use crate::diag::{Diagnostic, SourceId, Span};
 use crate::spec::{Experiment, Mark, Marks};
 use crate::syntax::Layer;
 
-/// Makes the label at the value that was written last the primary one: a child before its parent, a profile
-/// before the files, a `--set` before all. Of values that are equally late, the first keeps the blame.
+/// Makes the label of the value set last the primary one: a child wins over its parent, a profile over files,
+/// a `--set` over all. Ties go to the first label.
 pub fn blame_the_last_writer(diagnostic: &mut Diagnostic, marks: &Marks, files: &[SourceId]) {
-    // Files stand with parents before children; of others, the one that was read first counts as the child.
+    // Parents come before children in `files`; of other files, the first one read counts as the child.
     let age = |source: SourceId| (files.iter().position(|file| *file == source), Reverse(source));
     let rank = |span: Span| owner(span, marks).map(|(_, mark)| (mark.layer, age(mark.value.source)));
     let ranks: Vec<_> = diagnostic.labels.iter().map(|label| rank(label.span)).collect();
@@ -24,7 +24,7 @@ pub fn blame_the_last_writer(diagnostic: &mut Diagnostic, marks: &Marks, files: 
     diagnostic.labels.iter_mut().enumerate().for_each(|(index, label)| label.primary = index == 0);
 }
 
-/// Adds the values that stand below the mistaken one, where a profile or a `--set` lies over them.
+/// Adds labels for the values that a profile or a `--set` replaced.
 pub fn show_what_was_replaced(diagnostic: &mut Diagnostic, experiment: &Experiment) {
     let Some(place) = diagnostic.labels.first().map(|label| label.span) else { return };
     let Some((path, _)) = owner(place, &experiment.marks) else { return };
@@ -37,7 +37,7 @@ pub fn show_what_was_replaced(diagnostic: &mut Diagnostic, experiment: &Experime
     }
 }
 
-/// The value that a place lies in: the smallest one around it.
+/// The innermost value that contains a place.
 fn owner(place: Span, marks: &Marks) -> Option<(&String, &Mark)> {
     let around =
         |span: Span| span.source == place.source && span.start <= place.start && place.end <= span.end;

@@ -1,4 +1,4 @@
-//! From a path to a checked experiment: loading, the robot's and the motion's file, and every rule.
+//! From a path to a checked experiment: loads the spec, robot and motion, and applies every rule.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -19,16 +19,16 @@ use crate::spec::{
 };
 use crate::syntax::{self, Disk, Files};
 
-/// A spec with all that is known about it before anything runs.
+/// A spec with everything known before it is run.
 #[derive(Clone, Debug, Default)]
 pub struct Checked {
     /// All texts.
     pub sources: Sources,
-    /// Everything that was found, in the order of files and places; allowed warnings are gone.
+    /// All diagnostics, ordered by file and place, without allowed warnings.
     pub sink: Sink,
-    /// The spec; complete only when the sink has no errors.
+    /// The spec; complete only if the sink has no errors.
     pub experiment: Option<Experiment>,
-    /// Its robot, when its file is sound.
+    /// Its robot, if the robot file is valid.
     pub robot: Option<Robot>,
     /// The decoded file of its reference motion.
     pub motion: Option<Table>,
@@ -37,7 +37,7 @@ pub struct Checked {
 }
 
 impl Checked {
-    /// The spec and its robot, when nothing is wrong.
+    /// The spec and its robot, if there are no errors.
     pub fn sound(&self) -> Option<(&Experiment, &Robot)> {
         if self.sink.has_errors() { None } else { self.experiment.as_ref().zip(self.robot.as_ref()) }
     }
@@ -48,19 +48,19 @@ impl Checked {
 pub struct CheckedArm {
     /// The arm.
     pub arm: Arm,
-    /// Its robot, when its file is sound.
+    /// Its robot, if the robot file is valid.
     pub robot: Option<Arc<Robot>>,
     /// The decoded file of its reference motion.
     pub motion: Option<Arc<Table>>,
 }
 
-/// Loads and checks a spec on the disk.
+/// Loads and checks a spec on disk.
 pub fn checked(path: &Path, options: &LoadOptions) -> Checked {
     checked_in(&Disk, path, options)
 }
 
-/// Loads and checks a spec of any files, such as those that an editor holds. The result depends on nothing
-/// but these files and the options, and nothing is kept between calls.
+/// Loads and checks a spec from any files, such as those open in an editor. The result depends only on these
+/// files and the options; no state is kept between calls.
 pub fn checked_in(files: &dyn Files, path: &Path, options: &LoadOptions) -> Checked {
     Checker::default().check(files, path, options)
 }
@@ -95,7 +95,7 @@ impl Checker {
         Checked { sources, sink, experiment: Some(experiment), robot, motion, baselines }
     }
 
-    /// The robot of a file, known already or read now.
+    /// The robot of a file, cached or read now.
     fn robot(
         &mut self,
         file: &Attachment,
@@ -109,7 +109,7 @@ impl Checker {
         }
         let before = sink.diagnostics.len();
         let robot = read_robot(file, experiment, sources, sink)?;
-        // Warnings have a place in the texts of each spec.
+        // Warnings are not cached, as their places differ in each spec's texts.
         if sink.diagnostics.len() == before {
             self.robots.insert(key, robot.clone());
         }
@@ -117,7 +117,7 @@ impl Checker {
     }
 }
 
-/// Applies every rule to a loaded spec with its robot and its motion on it.
+/// Applies every rule to a loaded spec with its robot and motion.
 pub(super) fn apply_rules(
     (experiment, family): (&Experiment, &Family),
     (robot, make): (Option<&Robot>, &mut dyn FnMut() -> Option<Arc<Reference>>),
@@ -144,8 +144,8 @@ pub(super) fn apply_rules(
     parents::lost_keys(experiment, family, vocabulary, sink);
 }
 
-/// Shows what was replaced, orders the findings, drops what the spec allows, and makes errors of denied
-/// warnings.
+/// Shows replaced values, sorts the diagnostics, drops those that the spec allows, and turns denied warnings
+/// into errors.
 pub(super) fn finish(experiment: &Experiment, deny_warnings: bool, sink: &mut Sink) {
     sink.diagnostics.iter_mut().for_each(|found| chain::show_what_was_replaced(found, experiment));
     sink.diagnostics
@@ -153,7 +153,7 @@ pub(super) fn finish(experiment: &Experiment, deny_warnings: bool, sink: &mut Si
     allow::apply(sink, &experiment.allow, deny_warnings);
 }
 
-/// Why a spec that is in order cannot be run all the same: it is only a parent (E0606).
+/// Why a valid spec cannot be run: it is abstract (E0606).
 pub fn unrunnable(experiment: &Experiment, sources: &Sources) -> Option<Diagnostic> {
     experiment.is_abstract.then(|| {
         let message = format!("`{}` is abstract and cannot be run", experiment.name);
@@ -164,7 +164,7 @@ pub fn unrunnable(experiment: &Experiment, sources: &Sources) -> Option<Diagnost
     })
 }
 
-/// The specs of `report.compare` are there (E0004).
+/// The specs of `report.compare` exist (E0004).
 fn find_compared(experiment: &Experiment, files: &dyn Files, sink: &mut Sink) {
     let missing = |path: &Path| {
         let error = Diagnostic::error("E0004", format!("file not found: `{}`", crate::escape::file(path)));
@@ -182,7 +182,7 @@ fn find_compared(experiment: &Experiment, files: &dyn Files, sink: &mut Sink) {
     }
 }
 
-/// The robot of a file, with what is wrong with it.
+/// The robot of a file; its mistakes go to the sink.
 pub(super) fn read_robot(
     file: &Attachment,
     experiment: &Experiment,
@@ -200,8 +200,8 @@ pub(super) fn read_robot(
     robot.filter(|_| sound)
 }
 
-/// The decoded file of a motion. The text of a recording that it names stands under `clip`, so that a change
-/// of the recording is one of the motion.
+/// The decoded file of a motion. The text of a recording that it names is stored under `clip`, so that a
+/// changed recording changes the motion.
 pub(super) fn read_motion(
     file: &Attachment,
     (files, reach): (&dyn Files, &Reach),

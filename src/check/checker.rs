@@ -1,4 +1,4 @@
-//! What checks of many specs have in common: the vocabulary, and what was read once.
+//! State shared by the checks of many specs: the vocabulary, and a cache of files.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -10,8 +10,8 @@ use crate::robot::Robot;
 use crate::spec::{Gathered, LoadOptions, Loaded, Vocabulary};
 use crate::syntax::Files;
 
-/// Checks many specs, and reads a robot that they share once. What it keeps changes no result: a robot
-/// without findings is known by its whole text.
+/// Checks many specs and reads shared robots once. The cache does not affect results: a robot without
+/// findings is identified by its whole text.
 #[derive(Clone, Debug)]
 pub struct Checker {
     pub(super) vocabulary: Vocabulary,
@@ -21,7 +21,7 @@ pub struct Checker {
     pub(super) references: References<(File, File)>,
 }
 
-/// Specs that were read.
+/// Specs read so far.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Specs {
     read: BTreeMap<PathBuf, Gathered>,
@@ -44,13 +44,13 @@ impl Default for Checker {
 }
 
 impl Checker {
-    /// From now on, until this is called again, each spec is read once, however often it is checked: under
-    /// each of its profiles, or because others compare themselves with it.
+    /// From this call until the next, each spec is read once, however often it is checked: under each of its
+    /// profiles, or as a baseline of others.
     pub fn remember_specs(&mut self) {
         self.specs = Some(Specs::default());
     }
 
-    /// Loads a spec, which may have been read before.
+    /// Loads a spec, possibly from the cache.
     pub(super) fn load(&mut self, files: &dyn Files, path: &Path, options: &LoadOptions) -> Loaded {
         let read = || Gathered::read(files, path, &options.allow_outside, &self.vocabulary);
         match &mut self.specs {

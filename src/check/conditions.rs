@@ -1,4 +1,4 @@
-//! E0101, E0104, E0204, E0210, E0211 and E0508: the grids of speeds and the parameter sets of evaluations.
+//! E0101, E0104, E0204, E0210, E0211 and E0508: speed grids and parameter sets of evaluations.
 
 use super::Subject;
 use super::subject::{short, whole};
@@ -8,10 +8,10 @@ use crate::kinds::evaluate::{Evaluation, ParameterSets, Speeds};
 use crate::spec::Section;
 use crate::spec::suggest::listed;
 
-/// The most episodes of one evaluation.
+/// Maximum number of episodes of one evaluation.
 const MOST: f64 = 1e5;
 
-/// What an evaluation's list of conditions is made of can be one.
+/// The conditions of an evaluation are valid.
 pub fn conditions_can_be_listed(subject: &Subject, sink: &mut Sink) {
     for (path, table) in subject.terms::<Evaluation>() {
         if table.is::<Speeds>() {
@@ -22,7 +22,7 @@ pub fn conditions_can_be_listed(subject: &Subject, sink: &mut Sink) {
     }
 }
 
-/// A grid has both ends and a step that leads from one to the other; without one there is a list.
+/// A grid has both ends and a step that divides their distance; without a grid there is a list.
 fn speeds(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) {
     let grid = [Speeds::from, Speeds::to, Speeds::step];
     let missing: Vec<&str> = grid.into_iter().filter(|key| !table.holds(*key)).map(|key| key.name).collect();
@@ -85,7 +85,7 @@ fn grid_of(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) -
     None
 }
 
-/// The scale is a range of positive factors, and every parameter is named once.
+/// The scale is a range of positive factors, and no parameter is repeated.
 fn parameter_sets(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) {
     let place = ParameterSets::scale.below(path);
     let swapped = match table.value(ParameterSets::scale).unwrap_or_default().as_slice() {

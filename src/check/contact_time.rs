@@ -1,4 +1,4 @@
-//! E0521: contacts that change within two physics steps, which MuJoCo would make slower and the batch engine
+//! E0521: contact time constants under two physics steps, which MuJoCo would raise and the batch engine
 //! cannot simulate.
 
 use super::subject::duration;
@@ -9,10 +9,10 @@ use crate::kinds::fine_tune::FineTuning;
 use crate::kinds::physics::{EngineName, Physics};
 use crate::spec::typed::InSection;
 
-/// Time constant of contacts in s where a spec names none.
+/// Default time constant of contacts in s.
 const CONTACT_TIME: f64 = 0.02;
 
-/// The tables of a spec that simulate in such an engine, which they name: training, fine-tuning, evaluations,
+/// The tables of a spec that run such an engine, with its name: training, fine-tuning, evaluations,
 /// transfers.
 fn arenas(subject: &Subject) -> Vec<(String, EngineName)> {
     let trained = subject.at(Physics::engine);
@@ -35,7 +35,7 @@ pub fn contacts_are_slower_than_steps(subject: &Subject, sink: &mut Sink) {
         if time >= 2.0 * step * (1.0 - 1e-9) {
             continue;
         }
-        // Without a key of its own, a rate that the training has is named once, there.
+        // If the rate is inherited from the training, report it once, there.
         let has_rate = path == Physics::SECTION || subject.number(&own_rate).is_some();
         if own.is_none() && !has_rate {
             continue;
@@ -60,7 +60,7 @@ pub fn contacts_are_slower_than_steps(subject: &Subject, sink: &mut Sink) {
     }
 }
 
-/// The rate in Hz of which a time constant in s takes two steps, rounded upwards.
+/// The lowest whole rate in Hz at which a time constant in s spans two steps.
 fn whole_hertz(time: f64) -> f64 {
     libm::ceil(2.0 / time * (1.0 - 1e-9))
 }
@@ -85,7 +85,7 @@ mod tests {
         assert!(codes(&spec("batch", 1000.0, stiff)).is_empty());
         assert_eq!(codes(&spec("mujoco", 500.0, stiff)), ["E0521"]);
         assert!(codes(&spec("rapier", 500.0, stiff)).is_empty());
-        // Named once, where the rate is.
+        // Reported once, where the rate is set.
         assert_eq!(codes(&spec("batch", 50.0, "[evaluate.nominal]\nepisodes = 2\n")), ["E0521"]);
     }
 

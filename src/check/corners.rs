@@ -1,8 +1,8 @@
-//! W0423: a squat whose joints change their velocity in an instant.
+//! W0423: squats with jumps in joint velocity.
 //!
-//! No motor does that. The cause is a squat from straight knees: the knee's angle grows as the root of the
-//! way down, and so begins at its highest speed. Steps of a run and recordings have impacts, and are not
-//! judged.
+//! No motor can follow them. The cause is a squat from straight knees: the knee angle grows as the square
+//! root of the descent, and thus starts at its maximum velocity. Running steps and recordings have impacts,
+//! and are not checked.
 
 use super::Subject;
 use super::reference::OnDemand;
@@ -11,7 +11,7 @@ use crate::kinds::motion::Motion;
 use crate::kinds::task::{Task, Walk};
 use crate::robot::Robot;
 
-/// Change of a joint's velocity from one sample to the next, relative to its highest one, that is a corner.
+/// Minimum jump of a joint's velocity between samples, relative to its maximum, that is reported.
 const CORNER: f64 = 0.5;
 /// Velocity in rad/s below which a joint is at rest.
 const REST: f64 = 0.2;
@@ -24,7 +24,7 @@ struct Corner {
     velocity: [f64; 2],
 }
 
-/// Warns of the largest jump of a joint's velocity in the reference motion of a squat.
+/// Warns of the largest jump in joint velocity of a squat's reference motion.
 pub fn squats_are_smooth(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
     if !Task::meaning_in(subject.spec()).is_some_and(|task| task.smooth) {
         return;
@@ -51,10 +51,10 @@ pub fn squats_are_smooth(subject: &Subject, reference: &mut OnDemand, sink: &mut
     ));
 }
 
-/// The largest jump of a joint's velocity, relative to the joint's highest one.
+/// The largest jump of a joint's velocity, relative to the joint's maximum.
 fn corner(motion: &Motion, robot: &Robot) -> Option<Corner> {
     let count = motion.samples.len();
-    // Velocities from positions: central differences would spread a jump over two samples.
+    // Backward differences of positions: central ones would spread a jump over two samples.
     let velocity = |index: usize, joint: usize| {
         let [before, after] = [index, index + 1].map(|index| motion.samples[index % count].position[joint]);
         (after - before) * count as f64 / motion.period

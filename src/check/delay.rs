@@ -1,4 +1,4 @@
-//! E0505: the longest delay that can be drawn fits into the history of commands that is kept.
+//! E0505: the longest delay that can be drawn fits the stored history of commands.
 
 use super::Subject;
 use super::subject::duration;
@@ -8,7 +8,7 @@ use crate::kinds::evaluate::parameter_sets::Parameter;
 use crate::kinds::evaluate::{Evaluation, ParameterSets};
 use crate::kinds::randomize::action_delay::ActionDelay;
 
-/// Commands are kept for this long, in s.
+/// Length of the command history in s.
 pub const HISTORY: f64 = 0.1;
 
 /// The delay times its largest randomization is at most [`HISTORY`].

@@ -1,4 +1,4 @@
-//! E0802: a transfer runs a policy that an export writes.
+//! E0802: a transfer runs an exported policy.
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
@@ -6,8 +6,8 @@ use crate::kinds::deploy::{Deployment, Export, Transfer};
 use crate::spec::Experiment;
 use crate::spec::typed::InSection;
 
-/// Where there is a transfer there is an export. A parent leaves it to its children; deployments that failed
-/// have been reported. Which of two policies is exported is asked where a fine-tuning is.
+/// A spec with a transfer has an export. An abstract parent may leave it to its children; failed deployments
+/// have been reported. With fine-tuning, another rule checks which policy is exported.
 pub fn transfers_have_a_policy(subject: &Subject, experiment: &Experiment, sink: &mut Sink) {
     let failed = |path: &String| path.split('.').next() == Some(Deployment::SECTION);
     if experiment.is_abstract || experiment.poisoned.iter().any(failed) {

@@ -1,11 +1,11 @@
-//! E0204: a height field has cells, and not more of them than fit into memory.
+//! E0204: a height field has at least one cell, and fits into memory.
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::terrain::height_field::{self, HeightField};
 use crate::spec::typed::Declared;
 
-/// Every field has a size that can be made.
+/// Every field has a valid size.
 pub fn fields_have_cells(subject: &Subject, sink: &mut Sink) {
     let fields =
         subject.grounds().into_iter().filter(|path| subject.kind(path) == Some(HeightField::KIND.name));

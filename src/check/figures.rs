@@ -1,5 +1,4 @@
-//! E0804: what a suite's figures are about is measured: the stage by one of the arms at least, and the metric
-//! exists.
+//! E0804: the arguments of a suite's figures exist: at least one arm has the stage, and the metric is known.
 
 use super::checked::CheckedArm;
 use super::claims::measure::stages;
@@ -9,7 +8,7 @@ use crate::spec::suggest::{listed, nearest};
 use crate::spec::suite::Wanted;
 use crate::spec::suite::figures::About;
 
-/// Looks at every figure that is about something.
+/// Checks every figure with an argument.
 pub fn produced(figures: &[(Wanted, Span)], arms: &[CheckedArm], sink: &mut Sink) {
     let mut known: Vec<String> = arms.iter().flat_map(|arm| stages(&arm.arm.experiment.table)).collect();
     known.sort();
@@ -31,7 +30,7 @@ pub fn produced(figures: &[(Wanted, Span)], arms: &[CheckedArm], sink: &mut Sink
     }
 }
 
-/// What is wrong with one of the things that a figure is about, and the text that was probably meant.
+/// What is wrong with one argument of a figure, and the suggested text.
 fn mistake(wanted: &Wanted, about: &str, known: &[String]) -> Option<(Diagnostic, Option<String>)> {
     let metric = matches!(wanted.takes(), Some(About::Metric | About::MetricOrNothing));
     let (stage, name) = match about.rsplit_once('.') {

@@ -1,5 +1,4 @@
-//! E0808, E0809 and E0810: a policy that is asked for is trained, and a fine-tuning changes something that is
-//! there.
+//! E0808, E0809 and E0810: requested policies are trained, and fine-tuning changes something that exists.
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
@@ -17,8 +16,8 @@ use crate::spec::suggest::nearest;
 use crate::spec::typed::InSection;
 use crate::spec::value::canonical_table;
 
-/// An evaluation or a deployment of the fine-tuned policy has a `[fine_tune]` to come from, and a transfer an
-/// export of the same policy.
+/// An evaluation or deployment of the fine-tuned policy requires `[fine_tune]`, and a transfer an export of
+/// the same policy.
 pub fn policies_are_trained(subject: &Subject, sink: &mut Sink) {
     let tuned = subject.spec().within::<FineTuning>().is_some();
     for (path, table) in subject.protocols() {
@@ -40,7 +39,7 @@ pub fn policies_are_trained(subject: &Subject, sink: &mut Sink) {
     }
 }
 
-/// Each transfer runs a policy that one of the exports writes.
+/// Each transfer runs an exported policy.
 fn transfers_are_exported(subject: &Subject, sink: &mut Sink) {
     let policy = |table: &Section| table.value(Export::policy).unwrap_or(Trained::FineTune);
     let deploys = subject.terms::<Deployment>();
@@ -64,8 +63,8 @@ fn transfers_are_exported(subject: &Subject, sink: &mut Sink) {
     }
 }
 
-/// The terms that a fine-tuning weighs otherwise are terms of the reward. A parent without a reward leaves it
-/// to its children.
+/// The terms that fine-tuning reweights are terms of the reward. A parent without a reward leaves it to its
+/// children.
 pub fn fine_tuning_weighs_terms(subject: &Subject, sink: &mut Sink) {
     let Some(weights) = subject.at(fine_tune::Ppo::weights) else { return };
     let Some(reward) = subject.spec().within::<Rewards>() else { return };
@@ -87,8 +86,7 @@ pub fn fine_tuning_weighs_terms(subject: &Subject, sink: &mut Sink) {
     }
 }
 
-/// Learning on the same ground in the same engine, with the same exploration and reward again is a longer
-/// training, not a fine-tuning.
+/// With the same terrain, engine, exploration and reward, it would be a longer training, not fine-tuning.
 pub fn fine_tuning_changes_the_world(subject: &Subject, sink: &mut Sink) {
     let first = subject.spec().within::<Ground>();
     let (Some(first), Some(second)) = (first, subject.at(fine_tune::Ppo::terrain)) else { return };

@@ -1,4 +1,4 @@
-//! E0511 and W0513: position control with servos that do not move their joints, or cannot hold the robot.
+//! E0511 and W0513: position servos that do not move their joints, or cannot hold the robot.
 
 use super::Subject;
 use super::subject::short;
@@ -9,10 +9,10 @@ use crate::robot::Robot;
 use crate::robot::examine::{Weak, weak};
 use crate::spec::suggest::listed;
 
-/// Joints that are named; beyond them their number is told.
+/// Maximum number of joints listed by name; of the rest only the count is shown.
 const NAMED: usize = 3;
 
-/// Every joint has a servo, and one that can hold the robot where it stands.
+/// Every joint has a servo, which is strong enough to hold the robot in its stance.
 pub fn servos_move_their_joints(subject: &Subject, sink: &mut Sink) {
     let (Some(robot), Some(Action::Position(servo))) = (subject.robot, subject.part::<Action>()) else {
         return;
@@ -28,7 +28,7 @@ pub fn servos_move_their_joints(subject: &Subject, sink: &mut Sink) {
         sink.emit(without_gain(subject, robot, &limp));
         return;
     }
-    // Targets beyond the joint's limits command all of its torque.
+    // Targets beyond the joint's limits can command its full torque.
     if servo.targets == Some(Targets::EffortLimits) {
         return;
     }
@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn a_servo_that_cannot_hold_the_robot_within_the_joints_range_is_w0513() {
-        // 0.001 of 3700 N m/rad over 2.4 rad are 8.9 N m at the knee, where standing takes some 60.
+        // 0.001 of 3700 N m/rad over 2.4 rad is 8.9 N m at the knee, where standing takes about 60.
         let found = said(&robot("tocabi"), "stiffness = 0.001");
         assert_eq!(codes(&found), ["W0513"]);
         assert!(found[0].message.contains("N m within the joint's range, and "), "{}", found[0].message);

@@ -1,6 +1,6 @@
-//! W0509: an episode that ends where its reference motion is.
+//! W0509: a reference motion that is below the height at which episodes end.
 //!
-//! The parents' bound is that of robots as tall as the paper's; another robot needs its own.
+//! The bound of the shipped parents is for robots as tall as the paper's; others need their own.
 
 use super::Subject;
 use super::reference::OnDemand;
@@ -11,10 +11,10 @@ use crate::kinds::terminate::Terminations;
 use crate::kinds::terminate::base_height::BaseHeight;
 use crate::robot::hip_height;
 
-/// The share of its standing height at which TOCABI's episodes end.
+/// TOCABI's episodes end at this share of its standing height.
 const SHARE: f64 = 0.65;
 
-/// Only bounds above this share of the standing height are compared with a motion that has not been made yet.
+/// For shipped motions only bounds above this share of the standing height are checked, to save time.
 const NEAR: f64 = 0.8;
 
 /// `terminate.base_height` is below the reference motion on this robot.
@@ -53,7 +53,7 @@ pub fn references_stay_above(subject: &Subject, reference: &mut OnDemand, sink: 
     }
 }
 
-/// The least height of the base in m.
+/// The minimum height of the base in m.
 fn lowest(motion: &Motion) -> f64 {
     motion.samples.iter().map(|frame| frame.base_height).fold(f64::INFINITY, f64::min)
 }

@@ -1,4 +1,4 @@
-//! W0502 and W0506: exploration against the limits of the actions and of the motors.
+//! W0502 and W0506: exploration against the limits of actions and motors.
 
 use super::Subject;
 use super::subject::short;
@@ -8,11 +8,11 @@ use crate::kinds::action::position::{Position, SharesOf, Span};
 use crate::kinds::fine_tune;
 use crate::robot::Joint;
 
-/// Exploration beyond which nearly no sample lies, in standard deviations.
+/// Number of standard deviations that contain nearly all samples.
 const WIDTH: f64 = 3.0;
 
-/// The standard deviation stays below the range of the actions, and a position action does not ask more
-/// torque than the joint has.
+/// The standard deviation is below the range of the actions, and exploration of a position action does not
+/// require more torque than the joint has.
 pub fn exploration_stays_within_limits(subject: &Subject, sink: &mut Sink) {
     [Position::std.path(), fine_tune::Ppo::std.path()]
         .iter()
@@ -49,12 +49,12 @@ struct Exploration {
     stiffness: f64,
     /// Standard deviation, a share.
     std: f64,
-    /// What it is a share of.
+    /// The reference of that share.
     shares: SharesOf,
 }
 
 impl Exploration {
-    /// What 100 % is at a joint, in rad.
+    /// The joint angle of 100 %, in rad.
     fn whole(&self, joint: &Joint) -> f64 {
         match self.shares {
             SharesOf::Angle(angle) => angle,
@@ -63,7 +63,7 @@ impl Exploration {
     }
 }
 
-/// The joint whose exploration torque exceeds its effort limit the most.
+/// The joint whose exploration torque exceeds its effort limit most.
 fn exploration_torque(subject: &Subject, exploration: Exploration, path: &str, sink: &mut Sink) {
     let Some(robot) = subject.robot else { return };
     let Exploration { stiffness, std, .. } = exploration;
@@ -133,8 +133,8 @@ mod tests {
 
     #[test]
     fn the_papers_failing_case_is_named_with_joint_and_numbers() {
-        // 3 * 0.01 * 3 rad * 5000 N m/rad = 450 N m at the hip roll with its 232 N m; the knee: 3 * 0.01 *
-        // 1.75 * 3700 = 194 of 289.
+        // 3 * 0.01 * 3 rad * 5000 N m/rad = 450 N m at the hip roll (limit 232 N m); at the knee 3 * 0.01 *
+        // 1.75 * 3700 = 194 (limit 289).
         let found = position(1.0, 0.01);
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].code, "W0506");
@@ -167,9 +167,9 @@ mod tests {
             );
             found(exploration_stays_within_limits, &text, Some(&biped()))
         };
-        // 3 * 0.01 * 1 rad * 5000 N m/rad = 150 N m at the hip roll with its 232 N m.
+        // 3 * 0.01 * 1 rad * 5000 N m/rad = 150 N m at the hip roll (limit 232 N m).
         assert_eq!(said(1.0, 0.01), []);
-        // Of 3.2 rad that is 480 N m, and at the knee 355 of 289 N m.
+        // With 3.2 rad: 480 N m, and at the knee 355 (limit 289 N m).
         let wide = said(3.2, 0.01);
         assert_eq!(
             wide[0].message,

@@ -1,7 +1,6 @@
 //! Semantic rules over a decoded spec and its robot, one file each. No simulator, no libtorch.
 //!
-//! A rule reads what is there and passes over what is not: a value that failed to decode is absent, and has
-//! been reported already.
+//! A rule ignores absent values: a value that failed to decode is absent, and has been reported already.
 
 mod arms;
 mod baseline;
@@ -55,7 +54,7 @@ pub fn check(subject: &Subject, sink: &mut Sink) {
     }
 }
 
-/// The rules in the order in which their findings are reported.
+/// The rules in the order in which they report.
 const RULES: &[fn(&Subject, &mut Sink)] = &[
     rates::rates_divide_the_physics_rate,
     steps::times_are_whole_steps,

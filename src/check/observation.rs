@@ -1,4 +1,4 @@
-//! E0103 and E0104: what is observed of the joints fits the robot, and is observed once.
+//! E0103 and E0104: joint observations fit the robot, and are not repeated.
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink, Span};
@@ -7,14 +7,13 @@ use crate::kinds::observe::joint_position::JointPosition;
 use crate::kinds::observe::joint_velocity::JointVelocity;
 use crate::spec::typed::Declared;
 
-/// The kinds that measure the joints: the robot has one noise of its encoders and one filter of its
-/// velocities.
+/// The kinds that measure the joints: a robot has one encoder noise and one velocity filter.
 const MEASURED: [&str; 2] = [JointPosition::KIND.name, JointVelocity::KIND.name];
 
-/// The joints of two legs by their function, for which six scales stand.
+/// Number of functions of a leg's joints, and of scales given by function.
 const FUNCTIONS: usize = 6;
 
-/// No second term measures what another does: two filters or two noises would be one.
+/// Two terms must not measure the same: there is only one filter and one noise.
 pub fn joints_are_measured_once(subject: &Subject, sink: &mut Sink) {
     for kind in MEASURED {
         let terms = subject.terms::<Observations>().into_iter().map(|(path, _)| path);
@@ -31,7 +30,7 @@ pub fn joints_are_measured_once(subject: &Subject, sink: &mut Sink) {
     }
 }
 
-/// A list of scales is one for all joints, six for the functions of a leg's joints, or one for each joint.
+/// A list of scales has one item for all joints, six for the functions of a leg's joints, or one per joint.
 pub fn scales_fit_the_joints(subject: &Subject, sink: &mut Sink) {
     let Some(robot) = subject.robot else { return };
     for (path, term) in subject.terms::<Observations>() {

@@ -1,4 +1,4 @@
-//! W0505: keys of a parent that a changed `kind` took away although the new kind has them.
+//! W0505: keys of a parent that a changed `kind` dropped although the new kind has them.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use crate::spec::marks::below;
 use crate::spec::{Experiment, Kind, Shape, Vocabulary};
 use crate::syntax::{Entry, Layer, Map};
 
-/// No value of a parent gives way to a default because a child changed the `kind` around it.
+/// A child that changes `kind` must not silently replace a parent's value by a default.
 pub fn lost_keys(experiment: &Experiment, family: &Family, vocabulary: &Vocabulary, sink: &mut Sink) {
     let members = &family.members;
     if members.len() < 2 {
@@ -42,7 +42,7 @@ fn table<'a>(body: &'a Map, path: &str) -> Option<&'a Map> {
     path.split('.').try_fold(body, |map, key| map.entries.get(key)?.node.table())
 }
 
-/// Goes through the files from parents to children and keeps what a change of kind drops.
+/// Goes through the files from parents to children and records what a change of kind drops.
 fn look(
     experiment: &Experiment,
     path: &str,

@@ -4,7 +4,7 @@ use super::Subject;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::action::Position;
 
-/// What a phase action does is said only where there is one.
+/// Settings of a phase action require one.
 pub fn phase_actions_are_there(subject: &Subject, sink: &mut Sink) {
     if subject.at(Position::phase_action).is_none() || subject.at(Position::phase_modulation) != Some(false) {
         return;

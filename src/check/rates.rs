@@ -1,5 +1,4 @@
-//! E0501: the rates at which policy and servo act are whole fractions of the physics rate, and the policy's
-//! of the servo's.
+//! E0501: the physics rate is a multiple of the rates of policy and servo, and the servo's of the policy's.
 
 use super::Subject;
 use super::subject::{short, whole};
@@ -9,7 +8,7 @@ use crate::kinds::evaluate::Setting;
 use crate::kinds::physics::Physics;
 use crate::spec::typed::Key;
 
-/// Rates further off than this factor are no neighbours.
+/// Suggested rates are within this factor of the present one.
 const NEAR: f64 = 4.0;
 
 /// `action.rate` and `action.servo_rate` divide `physics.rate` and the rate of every evaluation and transfer;
@@ -27,13 +26,12 @@ pub fn rates_divide_the_physics_rate(subject: &Subject, sink: &mut Sink) {
     divides(subject, &policy, &servo, sink);
 }
 
-/// The paths of the rates at which policy and servo act.
+/// The paths of the policy's and the servo's rate.
 fn acting() -> [String; 2] {
     [Position::rate, Position::servo_rate].map(Key::path)
 }
 
-/// Whether the rate at `path` divides the one at `whole_path`; reports it when it does not. Absent rates
-/// divide.
+/// Whether the rate at `path` divides the one at `whole_path`; reports it if not. True if one is absent.
 fn divides(subject: &Subject, path: &str, whole_path: &str, sink: &mut Sink) -> bool {
     let (Some(rate), Some(physics)) = (subject.number(path), subject.number(whole_path)) else { return true };
     if rate <= 0.0 || is_fraction(rate, physics) {
@@ -58,13 +56,13 @@ fn divides(subject: &Subject, path: &str, whole_path: &str, sink: &mut Sink) -> 
     false
 }
 
-/// Whether one rate is a whole fraction of another.
+/// Whether a rate divides another.
 fn is_fraction(rate: f64, physics: f64) -> bool {
     whole(physics / rate).is_some_and(|steps| steps >= 1.0)
 }
 
-/// What each of the two rates could be. Evaluations and transfers follow the rates of the training, not they
-/// them.
+/// Suggestions for each of the two rates. Evaluations and transfers follow the training's rates, not vice
+/// versa.
 fn cure(subject: &Subject, (path, rate): (&str, f64), (whole_path, physics): (&str, f64)) -> String {
     let count = libm::ceil((physics / rate).max(1.0)) as u64 + 1000;
     let fractions: Vec<f64> = (1..count).map(|count| physics / count as f64).collect();
@@ -77,8 +75,7 @@ fn cure(subject: &Subject, (path, rate): (&str, f64), (whole_path, physics): (&s
     if offers.is_empty() { "choose a whole fraction of it".to_owned() } else { offers.join(", or ") }
 }
 
-/// The rates on both sides of the present one that fit all others and can be written with at most three
-/// decimals.
+/// The next lower and higher rate that fit all others and have at most three decimals.
 fn neighbours(subject: &Subject, (key, present): (&str, f64), rates: &[f64]) -> Option<String> {
     let plain = |rate: f64| (rate * 1e3 - (rate * 1e3).round()).abs() < 1e-6;
     let near = |rate: f64| (present / NEAR..=present * NEAR).contains(&rate);
@@ -93,7 +90,7 @@ fn neighbours(subject: &Subject, (key, present): (&str, f64), rates: &[f64]) -> 
     }
 }
 
-/// The lowest rate in Hz from `least` on that fits all others: a multiple of the fastest of policy and servo.
+/// The lowest rate in Hz from `least` that fits all others: a multiple of the faster of policy and servo.
 pub(super) fn from(subject: &Subject, key: &str, least: f64) -> Option<f64> {
     let acting = acting().into_iter().filter_map(|path| subject.number(&path));
     let acting = acting.filter(|rate| *rate > 0.0).fold(1.0, f64::max);
@@ -101,7 +98,7 @@ pub(super) fn from(subject: &Subject, key: &str, least: f64) -> Option<f64> {
     (first..first + 1000).map(|count| acting * count as f64).find(|rate| fits(subject, key, *rate))
 }
 
-/// Whether a rate in place of the present one divides those that it must, and is divided by those that must.
+/// Whether a rate in place of the present one satisfies all divisibility rules.
 fn fits(subject: &Subject, key: &str, rate: f64) -> bool {
     let own = |path: &str| if path == key { Some(rate) } else { subject.number(path) };
     let divides = |path: &str, whole_path: &str| {

@@ -1,5 +1,5 @@
-//! E0509: a reference motion that the robot cannot make, or not with its links apart where they have to be.
-//! W0422 where links that meet end no episode.
+//! E0509: a reference motion that the robot cannot make, or only with self-collisions where they end
+//! episodes. W0422 where self-collisions end no episode.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -20,20 +20,20 @@ use crate::spec::{Experiment, Section, Table, Vocabulary};
 /// A motion on a robot.
 #[derive(Debug)]
 pub struct Reference {
-    /// The motion, or why there is none.
+    /// The motion, or why it cannot be made.
     pub motion: Result<Motion, MotionError>,
-    /// Where it leads links into each other, found when it is asked for first.
+    /// Its self-collision, computed on first use.
     met: OnceLock<Option<Met>>,
 }
 
-/// Where a motion leads links of a robot into each other.
+/// A self-collision in a motion.
 #[derive(Clone, Debug, PartialEq)]
 struct Met {
-    /// The first phase.
+    /// Its first phase.
     phase: f64,
     /// Share of the cycle.
     share: f64,
-    /// The links that meet there.
+    /// The links that collide there.
     links: [String; 2],
 }
 
@@ -43,17 +43,15 @@ impl From<Result<Motion, MotionError>> for Reference {
     }
 }
 
-/// The reference motion of a spec, made when a rule asks for it: making one takes milliseconds, and few rules
-/// need it.
+/// The reference motion of a spec, created on demand: this takes milliseconds, and few rules need it.
 pub struct OnDemand<'a> {
-    /// Whether robot and motion come with the program, whose tests say that they suit each other.
+    /// Whether robot and motion are embedded in the program, whose tests check that they fit.
     pub shipped: bool,
-    /// The motion on the robot; none where there is no motion.
+    /// The motion on the robot; `None` if the spec has no motion.
     pub make: &'a mut dyn FnMut() -> Option<Arc<Reference>>,
 }
 
-/// Reference motions by robot and motion file, each made once: a suite has thousands of arms and a few
-/// motions.
+/// Cache of reference motions by robot and motion file: a suite has thousands of arms but few motions.
 #[derive(Clone, Debug)]
 pub struct References<K> {
     made: BTreeMap<K, Arc<Reference>>,
@@ -75,7 +73,7 @@ impl<K: Ord> References<K> {
     }
 }
 
-/// Whether the spec's robot and motion come with the program.
+/// Whether the spec's robot and motion are embedded in the program.
 pub fn shipped(experiment: &Experiment, vocabulary: &Vocabulary) -> bool {
     let files = [(&experiment.robot, &vocabulary.robots), (&experiment.motion, &vocabulary.motions)];
     files.into_iter().all(|(file, known)| {
@@ -147,7 +145,7 @@ pub fn suits(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
     sink.emit(diagnostic.help(cure));
 }
 
-/// The reference moves no joint faster than its motor turns (W0418).
+/// The reference respects the joints' velocity limits (W0418).
 pub fn stays_below_velocity_limits(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
     let Some(robot) = subject.robot.filter(|_| !reference.shipped) else { return };
     let Some(made) = (reference.make)() else { return };
@@ -186,13 +184,13 @@ pub fn stays_below_velocity_limits(subject: &Subject, reference: &mut OnDemand, 
     ));
 }
 
-/// Angle in rad between thigh and shank up to which a leg is straight: with a step it would have to be longer
-/// than it is.
+/// Angle in rad between thigh and shank up to which a leg counts as straight: a step would require a longer
+/// leg.
 const STRAIGHT: f64 = 0.3;
-/// Positions about +y of hip, knee and ankle that bend a leg and keep the foot level, in rad.
+/// Rotations about +y of hip, knee and ankle in rad that bend a leg and keep the foot level.
 const BENT: [f64; 3] = [-0.3, 0.6, -0.3];
 
-/// How to bend the knees of a robot whose legs are straight in its default pose.
+/// How to bend the knees of a robot whose default pose has straight legs.
 fn bent_knees(robot: &Robot) -> Option<String> {
     let pitches = Leg::pitches(robot, 0)?;
     let kinematics = Kinematics::new(robot);
@@ -221,11 +219,11 @@ fn bent_knees(robot: &Robot) -> Option<String> {
     ))
 }
 
-/// Phases of the reference at which links are looked at.
+/// Number of phases of the reference checked for self-collisions.
 const PHASES: u32 = 100;
 
-/// The reference keeps links apart: an error where links inside each other end an episode, and a warning
-/// elsewhere, as such a policy fails its task.
+/// The reference has no self-collisions: an error where they end an episode, a warning elsewhere, as such a
+/// policy fails its task.
 pub fn stays_apart(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
     let Some(robot) = subject.robot.filter(|_| !reference.shipped) else { return };
     let Some(made) = (reference.make)() else { return };
@@ -268,7 +266,7 @@ pub fn stays_apart(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink)
     )));
 }
 
-/// Where the motion leads links of the robot into each other.
+/// The self-collision in the motion.
 fn collision(motion: &Motion, robot: &Robot) -> Option<Met> {
     let mut guard = SelfCollision::new(robot, SelfCollision::pairs(robot));
     let mut frame = Frame::default();
@@ -299,7 +297,7 @@ mod tests {
     use crate::robot::{Collision, Shape};
     use crate::spec::Marks;
 
-    /// What is found where this robot walks, with a table of terminations.
+    /// The diagnostics for this robot walking, with a table of terminations.
     fn found(robot: &Robot, terminate: &str) -> Vec<Diagnostic> {
         let fields = table(&format!("[task]\nkind = \"walk\"\nmotion = \"walk\"\n{terminate}"));
         let subject = Subject { fields: &fields, marks: &Marks::default(), robot: Some(robot) };
@@ -309,7 +307,7 @@ mod tests {
         sink.diagnostics
     }
 
-    /// What is found where this robot is to walk.
+    /// The diagnostics for a robot that cannot walk.
     fn unsuited(robot: &Robot) -> Vec<Diagnostic> {
         let fields = table("[task]\nkind = \"walk\"\nmotion = \"walk\"\n");
         let subject = Subject { fields: &fields, marks: &Marks::default(), robot: Some(robot) };
@@ -410,7 +408,7 @@ mod tests {
         let mut armed = sound.clone();
         let ankle =
             armed.links.iter_mut().find(|link| link.body.name == "L_AnkleCenter_Link").expect("it has one");
-        // Beside the right shank, a hand's breadth before it: the right leg swings into it.
+        // Next to the right shank, a hand's breadth in front of it: the right leg swings into it.
         let place = Isometry3::translation(0.2, -0.2, 0.15);
         ankle.body.collisions.push(Collision { shape: Shape::Sphere(0.05), pose: place });
         let met = found(&armed, looks);
@@ -420,7 +418,7 @@ mod tests {
             "{}",
             met[0].message
         );
-        // Where it ends no episode it is told all the same, with its share of the cycle.
+        // If it ends no episode it is still reported, with its share of the cycle.
         let told = found(&armed, "");
         assert_eq!(told.iter().map(|found| found.code).collect::<Vec<_>>(), ["W0422"]);
         let message = &told[0].message;

@@ -1,11 +1,12 @@
-//! E04xx and W04xx: what the robot's own checks found, as diagnostics at the spec and in the robot's file.
+//! E04xx and W04xx: converts the findings of the robot's own checks to diagnostics in the spec and the
+//! robot's file.
 
 use crate::diag::{Diagnostic, Span};
 use crate::robot::{self, Issue};
 use crate::spec::Marks;
 
 /// A finding about the robot's file: at the value in that file, and at `robot.model` of the spec, which is
-/// where it stands when the file has no place for it.
+/// the primary label if the file has no place for it.
 pub fn issue(issue: &Issue, marks: &Marks, named: Option<Span>) -> Diagnostic {
     let found = robot::diagnostic(issue, marks);
     match named {
@@ -22,7 +23,7 @@ pub(super) mod sample {
     use crate::robot::model::Body;
     use crate::robot::{Foot, Joint, Link, Robot};
 
-    /// A robot with a hip roll and a knee, with TOCABI's figures.
+    /// A robot with a hip roll and a knee, with TOCABI's parameters.
     pub fn biped() -> Robot {
         let body = |name: &str| Body {
             name: name.to_owned(),

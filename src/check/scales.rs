@@ -7,14 +7,13 @@ use crate::kinds::evaluate::parameter_sets::Parameter;
 use crate::kinds::evaluate::{Evaluation, ParameterSets};
 use crate::kinds::randomize::link_mass::LinkMass;
 
-/// Every scale stays within `[0.5, 2]`: those that training and evaluations draw, and those of parameter
-/// sets.
+/// Every scale is within `[0.5, 2]`: those drawn in training and evaluations, and those of parameter sets.
 pub fn scales_are_moderate(subject: &Subject, sink: &mut Sink) {
     let drawn = subject.randomizations().into_iter();
     let drawn = drawn.filter_map(|(path, term)| Some((path, term.value(LinkMass::scale)?.bounds())));
     let sets = subject.terms::<Evaluation>().into_iter().filter(|(_, table)| table.is::<ParameterSets>());
     let sets = sets.filter_map(|(path, table)| {
-        // A delay is no property of a design.
+        // A delay is not a property of the robot's design.
         let parameters = table.value(ParameterSets::parameters).unwrap_or_default();
         let of_robots = parameters.iter().any(|parameter| *parameter != Parameter::ActionDelay);
         let scale = table.value(ParameterSets::scale).filter(|_| of_robots)?;

@@ -1,4 +1,4 @@
-//! E0705 between a sweep and its arms: no evaluation draws from a seed that learning uses.
+//! E0705 between a sweep and its arms: evaluations do not use a seed of the learning.
 
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::deploy::Deployment;

@@ -9,7 +9,7 @@ use crate::kinds::terminate::Terminations;
 use crate::robot::selector::matches;
 use crate::spec::Value;
 
-/// Every name under a `joints` or `links` key of an observation, randomization or termination exists in the
+/// Every name under a `joints` or `links` key of an observation, randomization or termination matches the
 /// robot.
 pub fn selectors_match(subject: &Subject, sink: &mut Sink) {
     let Some(robot) = subject.robot else { return };

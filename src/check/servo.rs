@@ -1,4 +1,4 @@
-//! W0512: a position servo that the delay of its torque makes unstable.
+//! W0512: a position servo that its torque delay makes unstable.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -10,14 +10,13 @@ use crate::kinds::action::Action;
 use crate::kinds::action::position::Position;
 use crate::robot::{Joint, Kinematics, Robot};
 
-/// Phase margin in rad that the advice leaves: 30 degrees.
+/// Phase margin in rad of the suggested damping: 30 degrees.
 const MARGIN: f64 = PI / 6.0;
 
-/// Part of the control rate up to which a policy can hold what swings up.
+/// Share of the control rate up to which a policy can stabilize an oscillation.
 const SEEN: f64 = 0.1;
 
-/// In the air, no joint's servo swings up by itself at the longest delay that is drawn, faster than the
-/// policy could hold it.
+/// In the air, at the longest delay drawn, no joint's servo oscillates faster than the policy can stabilize.
 pub fn servos_bear_their_delay(subject: &Subject, sink: &mut Sink) {
     let (Some(robot), Some(Action::Position(servo))) = (subject.robot, subject.part::<Action>()) else {
         return;
@@ -64,9 +63,9 @@ pub fn servos_bear_their_delay(subject: &Subject, sink: &mut Sink) {
     });
 }
 
-/// The largest damping below that of the spec, in shares of the robot's own, that leaves every joint
-/// [`MARGIN`], or else the one that leaves most; and the phase margin in degrees. `None` if no damping makes
-/// the servo stable.
+/// The largest damping below that of the spec, in shares of the robot's own, that gives every joint
+/// [`MARGIN`], or else the one with the largest margin; and the phase margin in degrees. `None` if no damping
+/// makes the servo stable.
 fn stable(loops: &[Loop], (stiffness, damping): (f64, f64), lag: f64) -> Option<(f64, f64)> {
     let least = |share: f64| {
         loops.iter().map(|servo| servo.margin((stiffness, share), lag)).fold(f64::INFINITY, f64::min)
@@ -77,29 +76,29 @@ fn stable(loops: &[Loop], (stiffness, damping): (f64, f64), lag: f64) -> Option<
     best.filter(|(_, margin)| *margin > 0.0).map(|(share, margin)| (share, margin.to_degrees().round()))
 }
 
-/// The longest time in s between what the servo reads and what its torque does about it: the delay, half of
-/// the time for which the servo holds its torque, and half of the time over which it measures a velocity.
+/// The longest time in s between the servo's reading and its torque: the delay, half of the servo's hold
+/// time, and half of the time over which it measures velocity.
 fn lag(subject: &Subject, servo: &Position) -> Option<f64> {
     let (delay, _) = longest(subject)?;
     let measuring = servo.reads_encoders().then(|| subject.physics_step());
     Some(delay + 0.5 / servo.servo_rate + 0.5 * measuring.flatten().unwrap_or(0.0))
 }
 
-/// One joint's servo, the robot in the air and its other joints free.
+/// One joint's servo, with the robot in the air and its other joints free.
 struct Loop<'a> {
     joint: &'a Joint,
-    /// What the joint's torque accelerates, in kg m^2.
+    /// Effective inertia at the joint in kg m^2.
     inertia: f64,
 }
 
 impl Loop<'_> {
-    /// The gains in N m/rad and N m s/rad of these shares of the robot's own.
+    /// The gains in N m/rad and N m s/rad, from shares of the robot's own.
     fn gains(&self, (proportional, derivative): (f64, f64)) -> (f64, f64) {
         (proportional * self.joint.stiffness_gain, derivative * self.joint.damping_gain)
     }
 
-    /// Frequency in Hz at which the gain of the loop is one; it falls with the frequency. Zero where it is
-    /// always less.
+    /// Crossover frequency in Hz, at which the loop gain is one; the gain falls with frequency. Zero if it is
+    /// always below one.
     fn frequency(&self, shares: (f64, f64)) -> f64 {
         let ((stiffness, damping), viscous) = (self.gains(shares), self.joint.damping);
         let lead = damping * damping - viscous * viscous;
@@ -108,7 +107,7 @@ impl Loop<'_> {
     }
 
     /// Phase margin in rad of `(K_d s + K_p) exp(-lag s) / (I s^2 + d s)` with these shares of the robot's
-    /// own gains; negative where the loop swings up.
+    /// own gains; negative if the loop is unstable.
     fn margin(&self, shares: (f64, f64), lag: f64) -> f64 {
         let (stiffness, damping) = self.gains(shares);
         let frequency = TAU * self.frequency(shares);
@@ -138,7 +137,7 @@ mod tests {
     use super::super::subject::sample::found;
     use super::*;
 
-    /// Whether a pendulum without gravity swings up: the servo reads and holds as in the environment.
+    /// Whether a pendulum without gravity oscillates: the servo reads and holds as in the environment.
     fn swings_up(inertia: f64, (stiffness, damping): (f64, f64), late: usize) -> bool {
         let step = 2e-5;
         let (hold, delay) = (100, late * 100);
@@ -195,7 +194,7 @@ mod tests {
             found(servos_bear_their_delay, &text, Some(&biped()))
         };
         assert_eq!(said(0.01, 0.0), []);
-        // As slow as this a policy holds it.
+        // Slow enough for the policy to stabilize.
         assert_eq!(said(0.01, 0.05), []);
         let found = said(4.0, 0.02);
         assert_eq!(found.iter().map(|found| found.code).collect::<Vec<_>>(), ["W0512"]);

@@ -1,4 +1,4 @@
-//! E0303: what a term reads of the world exists in this experiment.
+//! E0303: the signals that a term reads exist in this experiment.
 
 use std::collections::BTreeMap;
 
@@ -17,8 +17,8 @@ use crate::spec::suggest::listed;
 use crate::spec::typed::InSection;
 use crate::spec::{Kind, Signal};
 
-/// Terms that read a motion have one, terms that read a command have one, and speeds are asked for only where
-/// one is followed.
+/// Terms that read a motion or a command have one, and commanded speeds are set only where something tracks
+/// them.
 pub fn terms_find_their_signals(subject: &Subject, sink: &mut Sink) {
     if subject.spec().within::<Task>().is_none() {
         return;
@@ -48,7 +48,7 @@ pub fn terms_find_their_signals(subject: &Subject, sink: &mut Sink) {
     lacking.iter().for_each(|(key, readers)| sink.emit(missed(subject, key, readers)));
 }
 
-/// The first signal of a kind that this experiment lacks, and the key that would bring it.
+/// The first signal of a kind that this experiment lacks, and the key that would provide it.
 fn lacks(subject: &Subject, kind: &Kind) -> Option<(String, Signal)> {
     kind.needs.iter().find_map(|signal| {
         let key = source(*signal)?;
@@ -57,12 +57,12 @@ fn lacks(subject: &Subject, kind: &Kind) -> Option<(String, Signal)> {
     })
 }
 
-/// Whether the task's reference without a motion is the default pose.
+/// Whether a task without a motion has the default pose as reference.
 fn stands(subject: &Subject) -> bool {
     Task::meaning_in(subject.spec()).is_some_and(|task| task.default_pose)
 }
 
-/// A key that is missed, with all terms that read what it brings: one cause is one error.
+/// A missing key, with all terms that read its signals: one cause is one error.
 fn missed(subject: &Subject, key: &str, readers: &[(String, Signal)]) -> Diagnostic {
     let paths = || readers.iter().map(|(path, _)| path.as_str());
     let message = match readers {
@@ -92,7 +92,7 @@ fn missed(subject: &Subject, key: &str, readers: &[(String, Signal)]) -> Diagnos
     diagnostic.help(format!("add `{example}` to `[task]`, or {drop}"))
 }
 
-/// The key that brings a signal; `None` for what every world has.
+/// The key that provides a signal; `None` for signals that are always available.
 fn source(signal: Signal) -> Option<String> {
     match signal {
         Signal::Reference | Signal::ContactSchedule | Signal::Phase => Some(Walk::motion.path()),

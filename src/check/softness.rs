@@ -5,7 +5,7 @@ use crate::diag::{Diagnostic, Sink};
 use crate::kinds::evaluate::Setting;
 use crate::kinds::physics::{EngineName, Physics};
 
-/// `contact_time` goes to MuJoCo.
+/// Only MuJoCo uses `contact_time`.
 pub fn soft_contacts_are_mujocos(subject: &Subject, sink: &mut Sink) {
     for (path, table) in subject.protocols() {
         let key = Setting::contact_time.below(&path);

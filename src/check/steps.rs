@@ -6,10 +6,10 @@ use crate::diag::{Diagnostic, Sink};
 use crate::kinds::evaluate::Setting;
 use crate::kinds::task::{Command, Walk};
 
-/// The episode, the time between commands and the time limits of evaluations count in control steps. (A delay
-/// need not be whole: `control::Delay`.)
+/// The episode, the time between commands and the time limits of evaluations are whole numbers of control
+/// steps. (A delay need not be: `control::Delay`.)
 ///
-/// Where the rates do not fit each other (E0501), the steps are not yet those that are meant.
+/// If the rates conflict (E0501), the length of a step is not final.
 pub fn times_are_whole_steps(subject: &Subject, sink: &mut Sink) {
     if sink.diagnostics.iter().any(|found| found.code == "E0501") {
         return;

@@ -1,4 +1,4 @@
-//! What the rules look at.
+//! The input of the rules.
 
 use crate::diag::{Diagnostic, Span};
 use crate::kinds::action::Position;
@@ -19,9 +19,9 @@ use crate::syntax::Layer;
 pub struct Subject<'a> {
     /// The decoded spec; values that failed are absent.
     pub fields: &'a Table,
-    /// Where each value stands.
+    /// The place of each value.
     pub marks: &'a Marks,
-    /// The robot, when its file could be read.
+    /// The robot, if its file could be read.
     pub robot: Option<&'a Robot>,
 }
 
@@ -55,7 +55,7 @@ impl<'a> Subject<'a> {
         Section::new(self.fields)
     }
 
-    /// A section in Rust; `None` when the spec has none that is sound.
+    /// A section as its Rust type; `None` if it is absent or invalid.
     pub fn part<P: Part>(&self) -> Option<P> {
         self.spec().part()
     }
@@ -65,7 +65,7 @@ impl<'a> Subject<'a> {
         self.spec().at(key)
     }
 
-    /// The name of the reference motion; empty where the task names none.
+    /// The name of the reference motion; empty if the task has none.
     pub fn motion(&self) -> String {
         Task::named_motion(self.spec()).unwrap_or_default()
     }
@@ -78,7 +78,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// The kind of the term at a path; its name unless it says otherwise.
+    /// The kind of the term at a path; defaults to its name.
     pub fn kind(&self, path: &str) -> Option<&'a str> {
         self.text(&format!("{path}.kind"))
     }
@@ -88,7 +88,7 @@ impl<'a> Subject<'a> {
         self.terms_at(Terms::SECTION)
     }
 
-    /// The same of a table at a path.
+    /// The same for a table at a path.
     fn terms_at(&self, section: &str) -> Vec<(String, Section<'a>)> {
         let Some(terms) = self.section(section) else { return Vec::new() };
         terms.sections().map(|(name, term)| (format!("{section}.{name}"), term)).collect()
@@ -99,8 +99,7 @@ impl<'a> Subject<'a> {
         [self.terms::<Evaluation>(), self.terms::<Deployment>()].concat()
     }
 
-    /// The paths of all grounds: `terrain`, that of the fine-tuning, and those that evaluations have of their
-    /// own.
+    /// The paths of all terrains: `terrain`, that of the fine-tuning, and those of evaluations.
     pub fn grounds(&self) -> Vec<String> {
         let own = self.protocols().into_iter().map(|(path, _)| Setting::terrain.below(&path));
         [Ground::SECTION.to_owned(), fine_tune::Ppo::terrain.path()]
@@ -110,13 +109,13 @@ impl<'a> Subject<'a> {
             .collect()
     }
 
-    /// The rows of all randomizations: of `randomize`, and those that evaluations have of their own.
+    /// All randomization terms: of `randomize` and of evaluations.
     pub fn randomizations(&self) -> Vec<(String, Section<'a>)> {
         let own = self.protocols().into_iter().map(|(path, _)| Spread::randomize.below(&path));
         std::iter::once(Rows::SECTION.to_owned()).chain(own).flat_map(|path| self.terms_at(&path)).collect()
     }
 
-    /// As its author wrote the number at a path, or else in SI units.
+    /// The number at a path as written, otherwise in SI units.
     pub fn written(&self, path: &str) -> String {
         match self.value(path) {
             Some(Value::Quantity(quantity)) if !quantity.text.is_empty() => quantity.text.clone(),
@@ -126,8 +125,8 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// The diagnostic with the edit that replaces the value at a path by `replacement`, which is TOML. Defaults
-    /// have no place to edit.
+    /// The diagnostic with an edit that replaces the value at a path by `replacement` (TOML). Defaults have
+    /// no place to edit.
     pub fn edited(&self, path: &str, replacement: impl Into<String>, diagnostic: Diagnostic) -> Diagnostic {
         match self.marks.get(path).filter(|mark| mark.layer != Layer::Default) {
             Some(mark) => diagnostic.fix(mark.value, replacement),
@@ -135,7 +134,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// Where the value of a path stands, or else the table that holds it.
+    /// The place of the value at a path, or of the table that contains it.
     pub fn place(&self, path: &str) -> Option<Span> {
         self.marks.nearest(path).map(|mark| mark.value)
     }
@@ -151,7 +150,7 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// The nearest whole number, when the number is one but for rounding.
+/// The nearest whole number, if the number is whole up to rounding.
 pub(super) fn whole(number: f64) -> Option<f64> {
     let nearest = number.round();
     ((number - nearest).abs() <= 1e-6 * nearest.abs().max(1.0)).then_some(nearest)
@@ -171,7 +170,7 @@ pub(super) fn short(number: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-/// A duration in the unit that a person would choose, to the nanosecond.
+/// A duration in a suitable unit, to the nanosecond.
 pub(super) fn duration(seconds: f64) -> String {
     let exact = |value: f64| ((value * 1e6).round() / 1e6).to_string();
     if seconds != 0.0 && seconds.abs() < 1.0 {
@@ -212,7 +211,7 @@ pub(super) mod sample {
         }
     }
 
-    /// What a rule finds in a spec.
+    /// The diagnostics of a rule for a spec.
     pub fn found(rule: fn(&Subject, &mut Sink), text: &str, robot: Option<&Robot>) -> Vec<Diagnostic> {
         let mut sink = Sink::default();
         rule(&Subject { fields: &table(text), marks: &Marks::default(), robot }, &mut sink);

@@ -1,5 +1,5 @@
-//! From the path of a suite to its checked arms: loading, robots and motions (each read once), and every
-//! rule.
+//! From the path of a suite to its checked arms: loads specs, robots and motions (each read once), and
+//! applies every rule.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -19,26 +19,26 @@ use crate::spec::suite::{Axis, ClaimPolicy, LoadedArm, LoadedSuite, Suite, load}
 use crate::spec::{Attachment, Experiment, LoadOptions, Reach, Table, Vocabulary, allow, section};
 use crate::syntax::{Disk, Files};
 
-/// A suite with all that is known about it before anything runs.
+/// A suite with everything known before it is run.
 #[derive(Clone, Debug, Default)]
 pub struct CheckedSuite {
     /// All texts.
     pub sources: Sources,
-    /// Everything that was found, each mistake once however many arms share it.
+    /// All diagnostics, each mistake once however many arms share it.
     pub sink: Sink,
-    /// The suite; absent when its file could not be understood. With mistakes in its sweep, which `grasp` tells,
-    /// the arms are those of the rest.
+    /// The suite; absent if its file is invalid. If its sweep has mistakes (see `grasp`), the arms are those
+    /// of the valid part.
     pub suite: Option<Suite>,
-    /// Its arms in the order of the sweep; complete only when the sink has no errors.
+    /// Its arms in the order of the sweep; complete only if the sink has no errors.
     pub arms: Vec<CheckedArm>,
-    /// Its claims, those without a mistake.
+    /// Its valid claims.
     pub claims: Vec<Claim>,
-    /// The values of its page's baselines, in their order.
+    /// The values of its report's baselines, in order.
     pub baselines: Vec<Table>,
 }
 
 impl CheckedSuite {
-    /// The suite and its arms, when nothing is wrong.
+    /// The suite and its arms, if there are no errors.
     pub fn sound(&self) -> Option<(&Suite, &[CheckedArm])> {
         if self.sink.has_errors() {
             None
@@ -48,18 +48,18 @@ impl CheckedSuite {
     }
 }
 
-/// Loads and checks a suite on the disk.
+/// Loads and checks a suite on disk.
 pub fn suite(path: &Path, options: &LoadOptions) -> CheckedSuite {
     suite_in(&Disk, path, options)
 }
 
-/// Loads and checks a suite of any files.
+/// Loads and checks a suite from any files.
 pub fn suite_in(files: &dyn Files, path: &Path, options: &LoadOptions) -> CheckedSuite {
     Checker::default().suite(files, path, options)
 }
 
 impl Checker {
-    /// Loads and checks a suite. A robot that was read before is not read again.
+    /// Loads and checks a suite. Cached robots are not read again.
     pub fn suite(&mut self, files: &dyn Files, path: &Path, options: &LoadOptions) -> CheckedSuite {
         let loaded = load(files, path, options, &self.vocabulary);
         let mut checked = examined(files, options, loaded, (&self.vocabulary, &mut self.robots));
@@ -111,7 +111,7 @@ fn examined(
             let shortened = options.profile.is_some() || !options.sets.is_empty();
             checked_claims(suite, &Scope { shortened, ..scope(suite, &checked) }, &checked, &mut sink)
         }
-        // What claims say about the arms is checked only if those have no mistakes, the rest in any case.
+        // Claims are checked against the arms only if those are valid; the rest is always checked.
         Some(suite) => {
             let scope = scope(suite, &checked);
             let axes = (suite.sweep.grasp != Grasp::Part).then_some(&scope);
@@ -131,8 +131,8 @@ fn examined(
     CheckedSuite { sources, sink, suite, arms: checked, claims, baselines: Vec::new() }
 }
 
-/// The claims, with what is wrong with them; `[allow]` of the suite reaches every arm, so the first one's is
-/// taken.
+/// The claims, reporting their mistakes. `[allow]` of the suite reaches every arm, so the first arm's is
+/// used.
 fn checked_claims(suite: &Suite, scope: &Scope, arms: &[CheckedArm], sink: &mut Sink) -> Vec<Claim> {
     let mut own = Sink::default();
     let claims = claims::claims(&suite.claims, scope, &mut own);
@@ -143,7 +143,7 @@ fn checked_claims(suite: &Suite, scope: &Scope, arms: &[CheckedArm], sink: &mut 
     claims
 }
 
-/// What claims may speak about.
+/// What claims can refer to.
 fn scope<'a>(suite: &'a Suite, arms: &'a [CheckedArm]) -> Scope<'a> {
     let axis =
         |axis: &'a Axis| (axis.name.as_str(), axis.points.iter().map(|point| point.name.as_str()).collect());
@@ -163,11 +163,11 @@ fn scope<'a>(suite: &'a Suite, arms: &'a [CheckedArm]) -> Scope<'a> {
     }
 }
 
-/// Robots and motions that have been read, with what was wrong with them.
+/// Robots and motions read so far, with their mistakes.
 struct Shelf<'a> {
     files: &'a dyn Files,
     sources: &'a Sources,
-    /// Sound robots by their whole text, also those of other suites.
+    /// Valid robots by their whole text, also those of other suites.
     known: &'a mut BTreeMap<File, Robot>,
     robots: BTreeMap<(SourceId, Option<Span>), Read<Robot>>,
     motions: BTreeMap<SourceId, Read<Table>>,
@@ -182,7 +182,7 @@ impl<'a> Shelf<'a> {
         Self { files, sources, known, robots, motions, references: References::default() }
     }
 
-    /// The robot of a file; what is wrong with it is told of every arm that has it.
+    /// The robot of a file; its mistakes are reported for every arm that uses it.
     fn robot(&mut self, file: &Attachment, experiment: &Experiment, sink: &mut Sink) -> Option<Arc<Robot>> {
         let named = experiment.marks.get(&section::Robot::model.path()).map(|mark| mark.value);
         let read = self.robots.entry((file.source, named)).or_insert_with(|| {

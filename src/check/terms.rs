@@ -1,5 +1,4 @@
-//! E0101: a section without which there is no policy, and all of whose terms are switched off or weigh
-//! nothing.
+//! E0101: a required section whose terms are all disabled or have zero weight.
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
@@ -10,8 +9,7 @@ use crate::spec::section::RewardTerm;
 use crate::spec::typed::InSection;
 use crate::spec::{Experiment, Section};
 
-/// The policy sees something and, where it learns, something earns reward. Terms that failed have been
-/// reported.
+/// The policy has observations and, if it learns, a reward. Terms that failed have been reported.
 pub fn some_are_switched_on(subject: &Subject, experiment: &Experiment, sink: &mut Sink) {
     let learns = subject.at(Ppo::samples).is_some_and(|samples| samples > 0);
     let sections = [
@@ -38,8 +36,7 @@ pub fn some_are_switched_on(subject: &Subject, experiment: &Experiment, sink: &m
     }
 }
 
-/// Of the terms of the reward one at least has a weight. A weight that is drawn or that failed is none that
-/// is zero.
+/// At least one reward term has a weight. Weights that are drawn or failed do not count as zero.
 fn some_weigh(subject: &Subject, experiment: &Experiment, sink: &mut Sink) {
     let terms = subject.terms::<Rewards>();
     let weighs = |(_, term): &(String, Section)| term.value(RewardTerm::weight) != Some(0.0);

@@ -1,4 +1,4 @@
-//! W0501, W0520 and W0521: reward terms that weigh nothing, less than nothing, or more than all others
+//! W0501, W0520 and W0521: reward terms with zero weight, negative weight, or more weight than all others
 //! together.
 
 use std::collections::BTreeMap;
@@ -12,10 +12,10 @@ use crate::spec::marks::below;
 use crate::spec::section::RewardTerm;
 use crate::spec::typed::InSection;
 
-/// A term that pays more than this share of the largest reward leaves the others without a say. The shipped
-/// specs pay at most 35 % for one term.
+/// A term that pays more than this share of the maximum reward makes the others negligible. The shipped specs
+/// pay at most 35 % for one term.
 const SHARE: f64 = 0.8;
-/// The same of a reward of two terms, which are often a goal and a small cost.
+/// The same for a reward of two terms, often a goal and a small cost.
 const SHARE_OF_TWO: f64 = 0.98;
 
 /// No reward term has the weight zero.
@@ -32,8 +32,8 @@ pub fn weights_are_not_zero(subject: &Subject, sink: &mut Sink) {
     }
 }
 
-/// No term is paid for being bad. Every kind of term is a number from 0 to 1 that is largest when all is
-/// well, so that a negative weight rewards the opposite, and a negative sum rewards ending the episode.
+/// No term rewards failure. Every kind of term is a number from 0 to 1 that is largest when all is well, so a
+/// negative weight rewards the opposite, and a negative sum rewards ending the episode.
 pub fn weights_are_positive(subject: &Subject, sink: &mut Sink) {
     for (place, term, weight) in paid(subject).into_iter().chain(tuned(subject)) {
         if weight >= 0.0 {
@@ -51,7 +51,7 @@ pub fn weights_are_positive(subject: &Subject, sink: &mut Sink) {
     }
 }
 
-/// No term is paid so much that the others do not count, in the training or in the fine-tuning.
+/// No term outweighs all others, in training or fine-tuning.
 pub fn no_weight_dominates(subject: &Subject, sink: &mut Sink) {
     let first = paid(subject);
     dominating(subject, &first, sink);
@@ -68,7 +68,7 @@ pub fn no_weight_dominates(subject: &Subject, sink: &mut Sink) {
     }
 }
 
-/// The place, the name and the weight of every term of the reward.
+/// The place, name and weight of every reward term.
 fn paid(subject: &Subject) -> Vec<(String, String, f64)> {
     let name = |path: &str| path.rsplit('.').next().unwrap_or_default().to_owned();
     let terms = subject.terms::<Rewards>().into_iter();
@@ -79,17 +79,17 @@ fn paid(subject: &Subject) -> Vec<(String, String, f64)> {
         .collect()
 }
 
-/// The same of those that the fine-tuning weighs otherwise.
+/// The same for terms that fine-tuning reweights.
 fn tuned(subject: &Subject) -> Vec<(String, String, f64)> {
     let weights = subject.at(fine_tune::Ppo::weights).unwrap_or_default().into_iter();
     weights.map(|(term, weight)| (below(&fine_tune::Ppo::weights.path(), &term), term, weight)).collect()
 }
 
-/// Terms of weight zero are told by themselves (W0501) and count as switched off.
+/// Terms with zero weight are reported separately (W0501) and count as disabled.
 fn dominating(subject: &Subject, weights: &[(String, String, f64)], sink: &mut Sink) {
     let weights: Vec<_> = weights.iter().filter(|(.., weight)| *weight != 0.0).collect();
     let largest = weights.iter().max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()));
-    // In shares of the largest, so that no sum overflows.
+    // Relative to the largest, so that sums cannot overflow.
     let unit = largest.map_or(1.0, |(.., weight)| weight.abs());
     let total: f64 = weights.iter().map(|(.., weight)| weight.abs() / unit).sum();
     let share = match weights.len() {
@@ -189,7 +189,7 @@ mod tests {
             said(no_weight_dominates, "[reward.a]\nweight = 1.0\n[reward.b]\nweight = 0.001").len(),
             1
         );
-        // Alone it has nothing to dominate.
+        // A single term has nothing to dominate.
         assert!(said(no_weight_dominates, "[reward.a]\nweight = 25.0").is_empty());
     }
 

@@ -1,6 +1,6 @@
-//! The pages behind the codes: one Markdown file per code in `codes/`, shown by `specforge explain`.
+//! The pages for the codes: one Markdown file per code in `codes/`, shown by `specforge explain`.
 //!
-//! A page is `# CODE: title` and the sections What, Why, Wrong, Right. Knows nothing of who emits a code.
+//! A page is `# CODE: title` and the sections What, Why, Wrong, Right. Independent of who emits a code.
 
 /// The page of one code.
 #[derive(Clone, Copy, Debug)]
@@ -12,7 +12,7 @@ pub struct Page {
 }
 
 impl Page {
-    /// What stands after the code in the first line: `wrong dimension`.
+    /// The text after the code in the first line: `wrong dimension`.
     pub fn title(&self) -> &'static str {
         let first = self.text.lines().next().unwrap_or_default();
         first.split_once(": ").map_or(first, |(_, title)| title)
@@ -54,7 +54,7 @@ pub static PAGES: &[Page] = pages! {
     "W1001" "W1002" "W1003" "W1004"
 };
 
-/// The page of a code, in either case of letters.
+/// The page of a code; upper or lower case.
 pub fn page(code: &str) -> Option<&'static Page> {
     PAGES.iter().find(|page| page.code.eq_ignore_ascii_case(code))
 }

@@ -1,4 +1,4 @@
-//! Diagnostics: what is wrong with a text, where, and how to mend it. Knows nothing but text and spans.
+//! Diagnostics: what is wrong with a text, where, and how to fix it. Depends only on text and spans.
 
 pub mod codes;
 pub mod position;
@@ -10,11 +10,11 @@ use std::sync::Arc;
 /// A text that spans point into: a file, or the argument of a `--set`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
-    /// How it is named in messages: the path as the user would write it, or `--set` for an argument.
+    /// The name shown in messages: the path as the user would write it, or `--set` for an argument.
     pub name: PathBuf,
     /// The text.
     pub text: Arc<str>,
-    /// Whether it is of a file outside of the project, of which messages show places and no lines.
+    /// Whether the file is outside the project; messages then show positions but do not quote lines.
     pub private: bool,
 }
 
@@ -79,12 +79,12 @@ pub struct Label {
     pub primary: bool,
 }
 
-/// An edit that mends the mistake.
+/// An edit that fixes the mistake.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fix {
     /// What to replace.
     pub span: Span,
-    /// By what.
+    /// The replacement.
     pub replacement: String,
 }
 
@@ -123,25 +123,25 @@ impl Diagnostic {
         Self { severity: Severity::Warning, ..Self::error(code, message) }
     }
 
-    /// The same with the place of the mistake.
+    /// Adds the primary label.
     pub fn at(mut self, span: Span, text: impl Into<String>) -> Self {
         self.labels.insert(0, Label { span, text: text.into(), primary: true });
         self
     }
 
-    /// The same with an explaining place.
+    /// Adds a secondary label.
     pub fn note(mut self, span: Span, text: impl Into<String>) -> Self {
         self.labels.push(Label { span, text: text.into(), primary: false });
         self
     }
 
-    /// The same with advice.
+    /// Adds a help line.
     pub fn help(mut self, text: impl Into<String>) -> Self {
         self.help.push(text.into());
         self
     }
 
-    /// The same with sentences that fit on a page: a key can be as long as its file.
+    /// Shortens overlong texts: a key can be as long as its file.
     fn brief(mut self) -> Self {
         let labels = self.labels.iter_mut().map(|label| &mut label.text);
         for text in
@@ -154,7 +154,7 @@ impl Diagnostic {
         self
     }
 
-    /// In its place, that it and those after it are not listed.
+    /// Replaces it by a note that this and later diagnostics of the code are omitted.
     fn and_more(self) -> Self {
         let message = format!("more than {MOST_OF_A_CODE} mistakes of this code: the others are not listed");
         let labels =
@@ -163,20 +163,20 @@ impl Diagnostic {
         Self { message, labels: labels.collect(), help, fix: None, ..self }
     }
 
-    /// The same with an edit.
+    /// Adds an edit.
     pub fn fix(mut self, span: Span, replacement: impl Into<String>) -> Self {
         self.fix = Some(Fix { span, replacement: replacement.into() });
         self
     }
 }
 
-/// Most mistakes of one code that are listed.
+/// Maximum number of diagnostics listed per code.
 pub const MOST_OF_A_CODE: usize = 100;
 
-/// Longest sentence of a diagnostic in bytes.
+/// Maximum length of a diagnostic's sentence in bytes.
 const LONGEST: usize = 4000;
 
-/// Collects diagnostics: every phase goes on as far as it can and reports all it finds.
+/// Collects diagnostics: every phase continues as far as it can and reports all it finds.
 #[derive(Clone, Debug, Default)]
 pub struct Sink {
     /// In the order they were found.
@@ -184,8 +184,8 @@ pub struct Sink {
 }
 
 impl Sink {
-    /// Adds one. Of very many with one code only the first are listed, and the next says so: nobody reads ten
-    /// thousand, and each is shown with its lines.
+    /// Adds a diagnostic. Only the first [`MOST_OF_A_CODE`] of one code are listed; the next one says that
+    /// more are omitted.
     pub fn emit(&mut self, diagnostic: Diagnostic) {
         match self.count(diagnostic.code) {
             ..MOST_OF_A_CODE => self.diagnostics.push(diagnostic.brief()),
@@ -194,7 +194,7 @@ impl Sink {
         }
     }
 
-    /// Whether no more diagnostics of a code are listed, so that making one is of no use.
+    /// Whether further diagnostics of a code would be dropped, so the caller can skip creating them.
     pub fn is_full(&self, code: &str) -> bool {
         self.count(code) > MOST_OF_A_CODE
     }

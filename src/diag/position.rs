@@ -1,8 +1,8 @@
-//! From bytes to lines and columns.
+//! Converts byte offsets to lines and columns.
 
 use super::{Sources, Span};
 
-/// A place as people and editors count: lines and columns from 1, columns in characters.
+/// A position as editors count it: lines and columns from 1, columns in characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Position {
     /// Line, from 1.
@@ -21,20 +21,20 @@ impl Position {
 }
 
 impl Sources {
-    /// First position of a span and the position after its last character.
+    /// The position of a span's first character and the position after its last.
     pub fn positions(&self, span: Span) -> [Position; 2] {
         let text = &self.get(span.source).text;
         [Position::of(text, span.start), Position::of(text, span.end.max(span.start))]
     }
 
-    /// A place in words: `specs/walk.toml:6:14`.
+    /// A position as text: `specs/walk.toml:6:14`.
     pub fn place(&self, span: Span) -> String {
         let [start, _] = self.positions(span);
         format!("{}:{}:{}", self.get(span.source).name.display(), start.line, start.column)
     }
 }
 
-/// The byte itself, or the nearest one before it at which a character begins.
+/// The byte itself, or the nearest earlier character boundary.
 pub(super) fn boundary(text: &str, byte: usize) -> usize {
     (0..=byte.min(text.len())).rev().find(|&byte| text.is_char_boundary(byte)).unwrap_or(0)
 }

@@ -41,7 +41,7 @@ fn decode_section(section: &SectionShape, entry: &Entry, decoder: &mut Decoder<'
         Shape::Kind(kinds) => {
             let reserved: &[&str] = if section.required { &["kind"] } else { &["kind", "enabled"] };
             if !section.required && !decoder.enabled(&entry.node, section.name)? {
-                // The only kind of a section need not be named to be known.
+                // A section with a single kind does not have to name it.
                 let only = (kinds.len() == 1).then(|| (kinds[0].name, entry.key));
                 decoder.switched_off(&entry.node, &registry(kinds, &[], reserved), section.name, only);
                 return None;
@@ -92,7 +92,7 @@ fn missing_section(section: &SectionShape, header: &Header, decoder: &mut Decode
     decoder.sink.emit(error.help(format!("add `[{}]`, or extend a spec that has it", section.name)));
 }
 
-/// A section that need not be written has its defaults.
+/// An optional section that is missing has its defaults.
 fn absent_section(section: &SectionShape, header: &Header, decoder: &mut Decoder<'_>, table: &mut Table) {
     let (Shape::Plain(params), Some(span)) = (&section.shape, header.place) else { return };
     let node = Node { span, layer: Layer::Default, item: Item::Table(Map::default()) };
@@ -101,7 +101,7 @@ fn absent_section(section: &SectionShape, header: &Header, decoder: &mut Decoder
     }
 }
 
-/// `[allow]`: codes of warnings, each with a reason.
+/// `[allow]`: warning codes, each with a reason.
 fn decode_allow(entry: &Entry, decoder: &mut Decoder<'_>, table: &mut Table) {
     let Some(map) = entry.node.table() else {
         let message = format!("`allow` must be a table, found {}", entry.node.describe());

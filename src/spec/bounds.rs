@@ -1,23 +1,23 @@
-//! The bounds of a key and the soundness of a distribution: one rule for values that are decoded from a spec
-//! and for values that were decoded long ago and come in a policy's file.
+//! Bounds of keys and validity of distributions: the same rules for values decoded from a spec and for values
+//! read from a policy file.
 
 use super::{Param, Sampler, Ty, Value};
 use crate::quantity::{self, Dimension};
 
-/// What is wrong with a distribution, whatever its key.
+/// What is wrong with a distribution, independent of the key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flaw {
     /// The lower end of its range is above the upper.
     Swapped,
     /// Its standard deviation is negative.
     NegativeDeviation,
-    /// It has nothing to choose from.
+    /// Its list of choices is empty.
     NoChoice,
     /// It is log-uniform, and its lower end is not above zero.
     NotPositive,
 }
 
-/// The first flaw of a distribution.
+/// The first problem of a distribution, if any.
 pub fn flaw(sampler: &Sampler) -> Option<Flaw> {
     match sampler {
         Sampler::Uniform([low, high]) | Sampler::LogUniform([low, high]) if low > high => Some(Flaw::Swapped),
@@ -28,10 +28,10 @@ pub fn flaw(sampler: &Sampler) -> Option<Flaw> {
     }
 }
 
-/// The interval of a distribution's draws, as bounds are compared with it.
+/// The interval of a distribution's draws that is compared with bounds.
 pub fn reach(sampler: &Sampler) -> [f64; 2] {
     let is_normal = matches!(sampler, Sampler::Normal(_));
-    // To picometres: 0.3 - 3 * 0.1 is no less than 0.
+    // Rounded to 1e-12, so that 0.3 - 3 * 0.1 is not less than 0.
     sampler
         .bounds()
         .map(|bound| if is_normal && bound.abs() < 1e3 { (bound * 1e12).round() / 1e12 } else { bound })
@@ -42,7 +42,7 @@ pub fn holds(param: &Param, si: f64) -> bool {
     param.range.is_none_or(|(low, high)| low <= si && si <= high)
 }
 
-/// The bounds of a key in words, `between 0 m and 1 m`; empty for a key without bounds.
+/// The bounds of a key as text, `between 0 m and 1 m`; empty for a key without bounds.
 pub fn in_words(param: &Param, dimension: Dimension) -> String {
     let print = |bound: f64| match param.ty {
         Ty::Ratio(_) => quantity::print_ratio(bound),
@@ -51,9 +51,8 @@ pub fn in_words(param: &Param, dimension: Dimension) -> String {
     param.range.map(|(low, high)| format!("between {} and {}", print(low), print(high))).unwrap_or_default()
 }
 
-/// What is wrong with a decoded number, distribution or list of a key,
-/// `1e300 is not between -10 and 10 (in SI units)`. Tables have keys of their own, but for those with names
-/// that the user chooses.
+/// What is wrong with a decoded number, distribution or list of a key, `1e300 is not between -10 and 10 (in
+/// SI units)`. Of tables only those with user-defined names are checked: the others have keys of their own.
 pub fn violation(param: &Param, value: &Value) -> Option<String> {
     let number = |si: f64| {
         let bounds = in_words(param, Dimension::NONE);
@@ -82,7 +81,7 @@ pub fn violation(param: &Param, value: &Value) -> Option<String> {
     }
 }
 
-/// Whether a key is a factor of a physical quantity, which must be positive.
+/// Whether a key scales a physical quantity, so that it must be positive.
 pub fn is_scale(param: &Param) -> bool {
     param.name == "scale" && matches!(param.ty, Ty::Sampler(_))
 }

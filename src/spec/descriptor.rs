@@ -1,8 +1,8 @@
-//! One descriptor per kind: the single source of decoding, defaults, checks, schema, `list`,
-//! `explain` and the reference pages.
+//! One descriptor per kind: the single source of decoding, defaults, checks, schema, `list`, `explain` and
+//! the reference pages.
 //!
-//! Descriptors are plain `const` data. They know dimensions, not robots; what a kind *does* stands
-//! beside its descriptor in `kinds/`.
+//! Descriptors are plain `const` data. They describe dimensions, not robots; the behaviour of a kind is next
+//! to its descriptor in `kinds/`.
 
 use std::fmt;
 
@@ -22,7 +22,7 @@ impl Edition {
 pub enum Ty {
     /// `true` or `false`.
     Flag,
-    /// A whole number of things: `16384`, or with a count suffix `"80 M"`, `"200 k"`.
+    /// A whole number: `16384`, or with a count suffix `"80 M"`, `"200 k"`.
     Count,
     /// A bare number without a dimension.
     Number,
@@ -37,27 +37,27 @@ pub enum Ty {
     /// A plain quantity of this dimension, or `{ uniform = [a, b] }`, `{ normal = [mean, std] }`,
     /// `{ log_uniform = [a, b] }`, `{ choice = [...] }`.
     Sampler(Dimension),
-    /// A list whose items all have this type.
+    /// A list of items of this type.
     List(&'static Ty),
     /// A table with these keys.
     Table(&'static [Param]),
-    /// A table whose keys are names that the user chooses; every value has this type.
+    /// A table with user-defined keys and values of this type.
     Named(&'static Ty),
-    /// A table of one of these kinds, as in their section; it says its `kind`.
+    /// A table of one of these kinds, as in their section; its key `kind` selects it.
     Kind(Kinds),
     /// Named tables, each of one of these kinds, as in their section.
     Terms(Kinds),
-    /// One of several types, told apart by the shape of the TOML value (a string, a list, a table with
-    /// a certain key). The first that fits wins.
+    /// One of several types, distinguished by the shape of the TOML value (a string, a list, a table with a
+    /// certain key). The first match wins.
     OneOf(&'static [Ty]),
 }
 
-/// The kinds of a section that may also stand in a table inside another.
+/// The kinds of a section that are also allowed in a table of another section.
 #[derive(Clone, Copy)]
 pub struct Kinds {
     /// The section: `terrain`.
     pub section: &'static str,
-    /// What they are, for messages: `reward term`.
+    /// Their noun for messages: `reward term`.
     pub noun: &'static str,
     /// The kinds.
     pub all: fn() -> Vec<&'static Kind>,
@@ -69,21 +69,21 @@ impl fmt::Debug for Kinds {
     }
 }
 
-/// Whether a key must be written.
+/// Whether a key is required.
 #[derive(Clone, Copy, Debug)]
 pub enum Presence {
-    /// It must be written (no silent physical defaults).
+    /// Required (no silent physical defaults).
     Required,
-    /// It may be left out, and then is absent.
+    /// May be omitted; then absent.
     Optional,
-    /// It may be left out, and then has this value, written as TOML.
+    /// May be omitted; then it has this value, written as TOML.
     Default(&'static str),
 }
 
 /// How many items a list has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Length {
-    /// One at least; how many more is checked where the robot is known, if at all.
+    /// At least one; an exact number is checked once the robot is known, if at all.
     Some,
     /// One for each of these.
     Each(&'static [&'static str]),
@@ -92,7 +92,7 @@ pub enum Length {
 }
 
 impl Length {
-    /// Whether a list of so many items has it.
+    /// Whether a list of this length is allowed.
     pub fn fits(self, count: usize) -> bool {
         match self {
             Self::Some => count > 0,
@@ -119,23 +119,23 @@ pub struct Param {
     pub name: &'static str,
     /// The type of its value.
     pub ty: Ty,
-    /// Whether it must be written.
+    /// Whether it is required.
     pub presence: Presence,
     /// One or two sentences for the reference page.
     pub doc: &'static str,
-    /// Inclusive bounds in SI units, of the items where it is a list; checked as E0204.
+    /// Inclusive bounds in SI units, for a list of its items; checked as E0204.
     pub range: Option<(f64, f64)>,
-    /// How many items its list has, checked as E0103; any number when absent.
+    /// Number of items of its list, checked as E0103; any if absent.
     pub length: Option<Length>,
 }
 
 impl Param {
-    /// A key that must be written.
+    /// A required key.
     pub const fn required(name: &'static str, ty: Ty) -> Self {
         Self { name, ty, presence: Presence::Required, doc: "", range: None, length: None }
     }
 
-    /// A key that may be absent.
+    /// An optional key.
     pub const fn optional(name: &'static str, ty: Ty) -> Self {
         Self { name, ty, presence: Presence::Optional, doc: "", range: None, length: None }
     }
@@ -163,14 +163,14 @@ impl Param {
         self
     }
 
-    /// The same key with so many items in its list.
+    /// The same key with the number of items of its list.
     pub const fn length(mut self, length: Length) -> Self {
         self.length = Some(length);
         self
     }
 }
 
-/// Something a kind reads from the world; a robot, task or engine may lack it (E0303).
+/// A quantity that a kind reads from the simulation; a robot, task or engine may lack it (E0303).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Signal {
     /// Orientation of the base.
@@ -187,7 +187,7 @@ pub enum Signal {
     FootForce,
     /// Contacts of links other than the feet.
     BodyContact,
-    /// Links inside each other.
+    /// Contacts between links of the robot.
     SelfCollision,
     /// A reference motion (`task.motion`).
     Reference,
@@ -201,17 +201,17 @@ pub enum Signal {
     Obstacle,
 }
 
-/// What may be written in a table of one kind. The behaviour stands beside it, in `kinds/`.
+/// The keys of one kind. The behaviour is next to it, in `kinds/`.
 #[derive(Clone, Copy, Debug)]
 pub struct Kind {
     /// The word in the spec.
     pub name: &'static str,
-    /// The edition that brought it.
+    /// The edition that introduced it.
     pub since: Edition,
     /// Its Markdown page; the first line is the one-line summary.
     pub doc: &'static str,
     /// Its keys, beyond `kind` and `enabled` (and `weight` of a reward term).
     pub params: &'static [Param],
-    /// What it reads from the world.
+    /// What it reads from the simulation.
     pub needs: &'static [Signal],
 }

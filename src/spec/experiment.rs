@@ -11,7 +11,7 @@ use super::{Marks, Origin, Reach, Section, Table, Value};
 use crate::diag::{Sink, SourceId, Sources, Span};
 use crate::syntax::Layer;
 
-/// What the command line says about loading.
+/// Command-line options for loading.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LoadOptions {
     /// `--profile`
@@ -22,18 +22,18 @@ pub struct LoadOptions {
     pub deny_warnings: bool,
     /// `--allow-outside`: folders outside of the project that may be read.
     pub allow_outside: Vec<PathBuf>,
-    /// Whether mistakes that a profile would bring are of no interest.
+    /// Whether to skip the checks of profiles that are not chosen.
     pub without_profiles: bool,
 }
 
 impl LoadOptions {
-    /// Whether they ask for anything but the spec as it is written.
+    /// Whether the options change the spec as written.
     pub fn varies(&self) -> bool {
         self.profile.is_some() || !self.sets.is_empty()
     }
 }
 
-/// A spec that a key of another file names.
+/// A spec named by a key of another file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NamedSpec {
     /// Its file.
@@ -49,9 +49,9 @@ pub struct Loaded {
     pub sources: Sources,
     /// What was found.
     pub sink: Sink,
-    /// The spec, as far as it could be understood; complete only when the sink has no errors.
+    /// The spec as far as it could be decoded; complete only if the sink has no errors.
     pub experiment: Option<Experiment>,
-    /// The files that it was put together from.
+    /// The files that make up the spec.
     pub family: Family,
 }
 
@@ -64,24 +64,23 @@ pub struct Experiment {
     pub source: SourceId,
     /// Its name.
     pub name: String,
-    /// What it is about, in one sentence.
+    /// A one-sentence summary.
     pub summary: String,
-    /// Whether it is a parent that cannot be run.
+    /// Whether it is an abstract parent, which cannot be run.
     pub is_abstract: bool,
-    /// The decoded sections, and `name` and `summary`. A table with a value that failed is absent.
+    /// The decoded sections, and `name` and `summary`. Tables with an invalid value are absent.
     pub table: Table,
     /// The places of all values.
     pub marks: Marks,
     /// The points of a sweep (`control=torque`) by the path that they assign.
     pub points: BTreeMap<String, String>,
-    /// For values of a profile or of an assignment: the values that they replaced, by path, the weakest
-    /// first.
+    /// For values of a profile or an assignment: the values they replaced, by path, lowest priority first.
     pub replaced: BTreeMap<String, Vec<(Span, Layer)>>,
-    /// Paths of tables that are absent because something in them failed.
+    /// Paths of tables that are absent because they contain an error.
     pub poisoned: Vec<String>,
-    /// Specs to be run and reported beside this one.
+    /// Specs to run and report together with this one.
     pub compare: Vec<PathBuf>,
-    /// Specs that the page compares values with.
+    /// Specs whose values the report compares with.
     pub baselines: Vec<NamedSpec>,
     /// The chosen profile.
     pub profile: Option<String>,
@@ -89,7 +88,7 @@ pub struct Experiment {
     pub profiles: Arc<[String]>,
     /// Allowed warnings by code, with the reason.
     pub allow: BTreeMap<String, String>,
-    /// The folder that holds `robots/`, if the spec lies below one.
+    /// The folder that contains `robots/`, if the spec is below one.
     pub root: Option<PathBuf>,
     /// Which files it may read.
     pub reach: Reach,
@@ -106,14 +105,14 @@ pub struct Attachment {
     pub name: String,
     /// Its text, for diagnostics.
     pub source: SourceId,
-    /// Where it lies; `None` is the copy inside the program.
+    /// Its location; `None` is the copy embedded in the program.
     pub path: Option<PathBuf>,
     /// Its text.
     pub text: Arc<str>,
 }
 
 impl Experiment {
-    /// A section, when it is there and sound.
+    /// A section, if it is present and valid.
     pub fn section(&self, name: &str) -> Option<Section<'_>> {
         match self.table.get(name) {
             Some(Value::Table(table)) => Some(Section::new(table)),
@@ -121,13 +120,13 @@ impl Experiment {
         }
     }
 
-    /// A section in Rust, when it is there and sound.
+    /// A section as its Rust type, if it is present and valid.
     pub fn part<P: Part>(&self) -> Option<P> {
         Section::new(&self.table).part()
     }
 
-    /// The origins of all values that are no tables, by path, with the texts that the spec was loaded from.
-    /// They are many, and most commands need none.
+    /// The origins of all values except tables, by path, given the texts that the spec was loaded from.
+    /// Computed on demand, as most commands do not need them.
     pub fn origins(&self, sources: &Sources) -> BTreeMap<String, Origin> {
         let layers = Layers { profile: self.profile.as_deref(), points: &self.points };
         origins(&self.table, &self.marks, sources, &layers)

@@ -1,4 +1,4 @@
-//! A spec and its parents: reads the files that `extends` names, once each, parents first.
+//! A spec and its parents: reads each file named by `extends` once, parents first.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -11,12 +11,12 @@ use super::Edition;
 use super::reach::{Place, Reach};
 use super::suggest::safe_name;
 
-/// Most files that extend one another in a chain.
+/// Maximum length of a chain of parents.
 const MOST_GENERATIONS: usize = 32;
-/// Most bytes of a spec's name: files are called by it, with endings and the profile's name, and file systems
-/// take 255.
+/// Maximum length of a spec's name in bytes. File names consist of it, endings and the profile's name, and
+/// file systems allow 255.
 pub const LONGEST_NAME: usize = 120;
-/// Most parents of a spec.
+/// Maximum number of parents of a spec.
 const MOST_PARENTS: usize = 500;
 
 /// A file of the family.
@@ -24,7 +24,7 @@ const MOST_PARENTS: usize = 500;
 pub struct Member {
     /// Its text.
     pub source: SourceId,
-    /// What stands before its sections.
+    /// The keys before its sections.
     pub header: Header,
     /// Its sections and profiles.
     pub body: Map,
@@ -33,19 +33,19 @@ pub struct Member {
 /// The keys that belong to a file and are never inherited.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Header {
-    /// Where the edition stands: the place for what the whole file lacks.
+    /// Place of the edition, where keys missing from the whole file are reported.
     pub place: Option<Span>,
-    /// Its name, if it says one: `name`, or `suite` of a suite.
+    /// Its name, if present: `name`, or `suite` of a suite.
     pub name: Option<String>,
-    /// Where `suite` stands, when the file is a suite.
+    /// Place of `suite`, if the file is a suite.
     pub suite: Option<Span>,
-    /// What it is about.
+    /// A one-sentence summary.
     pub summary: String,
-    /// Whether it is a parent that cannot be run.
+    /// Whether it is an abstract parent, which cannot be run.
     pub is_abstract: bool,
     /// Its parents, as written.
     pub extends: Vec<(String, Span)>,
-    /// Whether a parent is named in a way that cannot be read.
+    /// Whether the name of a parent is invalid.
     pub lost_parent: bool,
 }
 
@@ -54,18 +54,18 @@ pub struct Header {
 pub struct Family {
     /// Parents before children; the spec itself is the last.
     pub members: Vec<Arc<Member>>,
-    /// Whether a file could not be taken in, so that keys may be missing for that reason.
+    /// Whether a file could not be read, so that keys may be missing for that reason.
     pub incomplete: bool,
 }
 
-/// The files that have been read, each parsed once however many specs extend it. A file that cannot be taken
-/// in is remembered as such, so that its mistakes are told once.
+/// The files read so far, each parsed once however many specs extend it. Failures are remembered too, so that
+/// they are reported once.
 #[derive(Clone, Debug, Default)]
 pub struct Library {
     members: BTreeMap<PathBuf, Option<Arc<Member>>>,
 }
 
-/// What gathering reads with and writes to.
+/// Inputs and outputs of reading a family.
 pub struct Desk<'a> {
     /// Where files are.
     pub files: &'a dyn Files,
@@ -75,7 +75,7 @@ pub struct Desk<'a> {
     pub library: &'a mut Library,
     /// The texts.
     pub sources: &'a mut Sources,
-    /// The findings.
+    /// The diagnostics.
     pub sink: &'a mut Sink,
 }
 
@@ -90,7 +90,7 @@ impl Library {
 }
 
 impl Family {
-    /// Reads a spec and its parents. `None` when the spec itself cannot be read.
+    /// Reads a spec and its parents. `None` if the spec itself cannot be read.
     pub fn gather(path: &Path, desk: &mut Desk<'_>) -> Option<Self> {
         let text = file::read(desk.files, path).map_err(|error| desk.sink.emit(error)).ok()?;
         let mut gathering = Gathering { desk, family: Self::default(), seen: BTreeSet::new() };
@@ -100,7 +100,7 @@ impl Family {
         Some(gathering.family)
     }
 
-    /// The parents that a file names, with their own parents; the file itself is not among them.
+    /// The parents named by a file and their parents, without the file itself.
     pub fn of_parents(path: &Path, parents: &[(String, Span)], desk: &mut Desk<'_>) -> Self {
         let mut gathering = Gathering { desk, family: Self::default(), seen: BTreeSet::new() };
         let mut chain = vec![(gathering.desk.files.identity(path), path.to_owned())];
@@ -127,11 +127,11 @@ struct Gathering<'a, 'd> {
     seen: BTreeSet<PathBuf>,
 }
 
-/// The way from the spec to a file: identities and shown paths.
+/// The chain from the spec to a file: canonical and displayed paths.
 type Chain = Vec<(PathBuf, PathBuf)>;
 
 impl Gathering<'_, '_> {
-    /// Takes a file in, after its parents.
+    /// Adds a file after its parents.
     fn take(&mut self, (path, identity): (&Path, PathBuf), member: Arc<Member>, chain: &mut Chain) {
         self.seen.insert(identity.clone());
         chain.push((identity, path.to_owned()));
@@ -153,7 +153,7 @@ impl Gathering<'_, '_> {
         }
     }
 
-    /// A file by its text; the first time it is parsed.
+    /// A file from its text, parsed the first time.
     fn member(&mut self, path: &Path, identity: PathBuf, text: String) -> Option<Arc<Member>> {
         if let Some(known) = self.desk.library.members.get(&identity) {
             return known.clone();
@@ -177,8 +177,8 @@ impl Gathering<'_, '_> {
         Some(Member { source, header, body })
     }
 
-    /// The tree of a file outside of the project, which messages do not quote: of one that is no TOML only
-    /// the place is told.
+    /// The tree of a file outside the project, which messages do not quote; of invalid TOML only the position
+    /// is reported.
     fn private(&mut self, path: &Path, text: String) -> Option<Node> {
         let source = self.desk.sources.add_private(path, text);
         let mut found = Sink::default();
@@ -190,7 +190,7 @@ impl Gathering<'_, '_> {
         node
     }
 
-    /// Takes a parent in, unless it has been.
+    /// Adds a parent unless it was added already.
     fn parent(&mut self, child: &Path, (name, place): (&str, Span), chain: &mut Chain) -> bool {
         let path = beside(child, name);
         if let Some(refusal) = self.desk.reach.refusal(self.desk.files, &path) {
@@ -237,7 +237,7 @@ impl Gathering<'_, '_> {
         }
     }
 
-    /// E0109 where a further parent would be one too many; told once, whatever else is extended.
+    /// E0109 if another parent would exceed the limit; reported once.
     fn too_many(&self, chain: &Chain) -> Option<Diagnostic> {
         let (message, help) = if chain.len() > MOST_GENERATIONS {
             let first = chain.first().map(|(_, shown)| shown.display().to_string()).unwrap_or_default();
@@ -251,7 +251,7 @@ impl Gathering<'_, '_> {
         Some(Diagnostic::error("E0109", message).help(help))
     }
 
-    /// Takes the header's keys out of a file. `None` when the file is of no edition that is known.
+    /// Removes the header's keys from a file. `None` if its edition is unknown.
     fn header(&mut self, body: &mut Map, source: SourceId) -> Option<Header> {
         let top = Span { source, start: 0, end: 0 };
         let Some(edition) = body.entries.remove("spec") else {
@@ -337,8 +337,7 @@ impl Gathering<'_, '_> {
     }
 }
 
-/// E0002, for a spec or for a file that is none: `links` are those of a robot, a `kind` at the top is that of
-/// a motion.
+/// E0002, for a spec or for another sort of file: `links` indicates a robot, a top-level `kind` a motion.
 fn without_edition(body: &Map, top: Span) -> Diagnostic {
     let (message, label, help) = if body.get("links").is_some() {
         let help = "`specforge robot show NAME` checks and prints it; use it in a spec as `robot.model`";
@@ -353,7 +352,7 @@ fn without_edition(body: &Map, top: Span) -> Diagnostic {
     Diagnostic::error("E0002", message).at(top, label).help(help)
 }
 
-/// The parents that a value of `extends` names, and what in it names none.
+/// The parents named by a value of `extends`, and its invalid items.
 pub fn extends(node: Option<Node>) -> (Vec<(String, Span)>, Vec<Node>) {
     let items = match node {
         None => Vec::new(),
@@ -364,7 +363,7 @@ pub fn extends(node: Option<Node>) -> (Vec<(String, Span)>, Vec<Node>) {
     (texts.into_iter().filter_map(|item| Some((item.text()?.to_owned(), item.span))).collect(), wrong)
 }
 
-/// A path that a file names, relative to the file; `..` is taken out where it can be.
+/// A path in a file, relative to that file; `..` is resolved where possible.
 pub fn beside(file: &Path, name: &str) -> PathBuf {
     files::plain(&file.parent().unwrap_or(Path::new("")).join(name))
 }

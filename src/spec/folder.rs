@@ -4,19 +4,19 @@ use std::path::{Path, PathBuf};
 
 use crate::syntax::Files;
 
-/// The nearest folder around a spec that holds `robots/`.
+/// The nearest ancestor folder of a spec that contains `robots/`.
 pub fn root(files: &dyn Files, spec: &Path) -> Option<PathBuf> {
     around(files, spec, "robots")
 }
 
-/// The folder of a spec's project: the nearest that holds `robots/`; without one the nearest that holds
-/// `specs/base/`, where `new` finds parents; without that the spec's own.
+/// The folder of a spec's project: the nearest ancestor that contains `robots/`, else `specs/base/` (where
+/// `new` finds parents), else the spec's own folder.
 pub fn folder(files: &dyn Files, spec: &Path) -> PathBuf {
     let own = || spec.parent().map(Path::to_owned).unwrap_or_default();
     root(files, spec).or_else(|| around(files, spec, "specs/base")).unwrap_or_else(own)
 }
 
-/// The nearest folder around a spec that holds this folder.
+/// The nearest ancestor of a spec that contains this folder.
 pub fn around(files: &dyn Files, spec: &Path, held: &str) -> Option<PathBuf> {
     let here = files.absolute(spec);
     let found = here.ancestors().skip(1).find(|folder| files.is_folder(&folder.join(held)))?;

@@ -21,21 +21,21 @@ use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::syntax::assign::assignment;
 use crate::syntax::{Disk, Entry, Files, Forms, Item, Layer, Map, Node, merge};
 
-/// Most profiles of a spec.
+/// Maximum number of profiles of a spec.
 const MOST_PROFILES: usize = 2000;
 
-/// Loads a spec from the disk. Every mistake that can be found without knowing robots is in the sink.
+/// Loads a spec from disk. All mistakes that can be found without the robot are in the sink.
 pub fn load(path: &Path, options: &LoadOptions, vocabulary: &Vocabulary) -> Loaded {
     load_in(&Disk, path, options, vocabulary)
 }
 
-/// Loads a spec from any files.
+/// Loads a spec from any file system.
 pub fn load_in(files: &dyn Files, path: &Path, options: &LoadOptions, vocabulary: &Vocabulary) -> Loaded {
     Gathered::read(files, path, &options.allow_outside, vocabulary).load(files, options, vocabulary)
 }
 
-/// A spec and its parents, read and merged once, to be loaded under any of its profiles: a spec may have a
-/// thousand, and each is a table of a file that all of them share.
+/// A spec and its parents, read and merged once, to load under any of its profiles. There may be a thousand
+/// profiles, which all share the merged files.
 #[derive(Clone, Debug)]
 pub struct Gathered {
     path: PathBuf,
@@ -46,7 +46,7 @@ pub struct Gathered {
 }
 
 impl Gathered {
-    /// Reads a spec and its parents, which may lie in these folders outside of its project.
+    /// Reads a spec and its parents, which may be in these folders outside its project.
     pub fn read(files: &dyn Files, path: &Path, outside: &[PathBuf], vocabulary: &Vocabulary) -> Self {
         let options = LoadOptions { allow_outside: outside.to_vec(), ..LoadOptions::default() };
         let mut loading = Loading::new(files, path, &options, vocabulary);
@@ -69,7 +69,7 @@ impl Gathered {
     }
 }
 
-/// What the loading of a spec, or of all arms of a suite, works with.
+/// Shared state for loading a spec or all arms of a suite.
 pub(super) struct Loading<'a> {
     pub files: &'a dyn Files,
     pub reach: Reach,
@@ -82,14 +82,14 @@ pub(super) struct Loading<'a> {
     attachments: BTreeMap<(&'static str, String), Attachment>,
 }
 
-/// A spec and its parents, merged, the chosen profile over them; nothing is decoded yet.
+/// A spec and its parents, merged, with the chosen profile on top; not decoded yet.
 #[derive(Clone, Debug)]
 pub(super) struct Merged {
     pub family: Family,
     pub header: Header,
     /// Without the profile.
     pub plain: Arc<Map>,
-    /// With it.
+    /// With the profile.
     pub root: Arc<Map>,
     pub profiles: Arc<BTreeMap<String, Entry>>,
     /// Their names.
@@ -97,19 +97,19 @@ pub(super) struct Merged {
 }
 
 impl Merged {
-    /// Whether missing keys are no mistakes.
+    /// Whether missing keys are allowed.
     pub fn lenient(&self) -> bool {
         self.family.incomplete || self.header.is_abstract
     }
 }
 
-/// What is laid over a merged spec, and what the result is called.
+/// What is applied on top of a merged spec, and the name of the result.
 pub(super) struct Overlay<'a> {
     /// The file, as named on the command line.
     pub path: &'a Path,
     /// The name of the spec, or of the arm.
     pub name: String,
-    /// The points of a sweep, each as a tree, in order.
+    /// The points of a sweep as trees, in order.
     pub points: &'a [&'a Map],
     /// The assignments of the command line.
     pub sets: &'a [Map],
@@ -129,7 +129,7 @@ impl<'a> Loading<'a> {
         Self::with((files, spec), options, vocabulary, state)
     }
 
-    /// With texts and findings of before.
+    /// With existing texts and diagnostics.
     fn with(
         (files, spec): (&'a dyn Files, &Path),
         options: &'a LoadOptions,
@@ -149,7 +149,7 @@ impl<'a> Loading<'a> {
         }
     }
 
-    /// For reading files.
+    /// State for reading files.
     pub fn desk(&mut self) -> Desk<'_> {
         let Self { files, reach, library, sources, sink, .. } = self;
         Desk { files: *files, reach, library, sources, sink }
@@ -175,7 +175,7 @@ impl<'a> Loading<'a> {
         experiment
     }
 
-    /// A family, merged, without any profile.
+    /// The merged family without any profile.
     fn merged(&mut self, family: Family) -> Merged {
         let mut plain = family.merged(&self.forms);
         let profiles = take_profiles(&mut plain, &mut self.sink);
@@ -191,16 +191,16 @@ impl<'a> Loading<'a> {
         }
     }
 
-    /// A family, merged, with the chosen profile over it.
+    /// The merged family with the chosen profile on top.
     pub fn under_profile(&mut self, family: Family) -> Merged {
         let mut merged = self.merged(family);
         self.overlay_profile(&mut merged);
         merged
     }
 
-    /// Reports what is wrong only with a profile, when none is chosen: it would surprise later.
+    /// If no profile is chosen, reports mistakes that appear only with one.
     fn check_other_profiles(&mut self, merged: &Merged, experiment: &Experiment) {
-        // A file with too many entries is not the one meant, and checking it under each profile would take
+        // A file with too many entries is probably the wrong file, and checking each profile would take
         // minutes.
         if self.sink.diagnostics.iter().any(|found| found.code == "E0009") {
             return;
@@ -229,7 +229,7 @@ impl<'a> Loading<'a> {
         }
     }
 
-    /// Lays the chosen profile over a spec.
+    /// Applies the chosen profile to a spec.
     fn overlay_profile(&mut self, merged: &mut Merged) {
         let Some(name) = &self.options.profile else { return };
         match merged.profiles.get(name).and_then(|entry| entry.node.table()) {
@@ -252,11 +252,11 @@ impl<'a> Loading<'a> {
         parsed.collect::<Vec<_>>().into_iter().filter(|map| settable(map, &mut self.sink)).collect()
     }
 
-    /// Decodes a merged spec with what is laid over it.
+    /// Decodes a merged spec with its overlay.
     pub fn settle(&mut self, merged: &Merged, overlay: &Overlay<'_>) -> Experiment {
         let mut root = Map::clone(&merged.root);
         overlay.points.iter().for_each(|point| merge(&mut root, point, &self.forms));
-        // Only what assignments replace is looked up in it.
+        // It is only used to look up the values that assignments replace.
         let with_points = if overlay.sets.is_empty() { Map::default() } else { root.clone() };
         overlay.sets.iter().for_each(|map| merge(&mut root, map, &self.forms));
         let header = &merged.header;
@@ -298,7 +298,7 @@ impl<'a> Loading<'a> {
         experiment
     }
 
-    /// The file that a key names; each is read once.
+    /// The file named by a key; each is read once.
     fn attach(
         &mut self,
         experiment: &Experiment,
@@ -319,17 +319,17 @@ impl<'a> Loading<'a> {
     }
 }
 
-/// The shelf of robot files.
+/// Where robot files are found.
 pub fn robots(vocabulary: &Vocabulary) -> Shelf<'_> {
     Shelf { noun: "robot", folder: "robots", code: "E0401", embedded: &vocabulary.robots }
 }
 
-/// The shelf of motion files.
+/// Where motion files are found.
 pub fn motions(vocabulary: &Vocabulary) -> Shelf<'_> {
     Shelf { noun: "motion", folder: "specs/motions", code: "E0304", embedded: &vocabulary.motions }
 }
 
-/// The profiles of a merged spec, taken out of it.
+/// Removes the profiles from a merged spec and returns them.
 fn take_profiles(root: &mut Map, sink: &mut Sink) -> BTreeMap<String, Entry> {
     let Some(entry) = root.entries.remove("profile") else { return BTreeMap::new() };
     let wrong = |node: &Node, what: &str| {
@@ -360,7 +360,7 @@ fn take_profiles(root: &mut Map, sink: &mut Sink) -> BTreeMap<String, Entry> {
     profiles
 }
 
-/// Whether assignments may be made: what is derived cannot be set.
+/// Whether the assignments are allowed: derived values cannot be set.
 pub(super) fn settable(map: &Map, sink: &mut Sink) -> bool {
     fn look(map: &Map, path: &str, sink: &mut Sink) -> bool {
         let mut sound = true;
@@ -378,9 +378,9 @@ pub(super) fn settable(map: &Map, sink: &mut Sink) -> bool {
     look(map, "", sink)
 }
 
-/// What the values of a profile or of an assignment replaced, in trees from weak to strong.
+/// The values replaced by a profile or an assignment; trees in order of increasing priority.
 fn replaced(marks: &Marks, below: &[&Map], sources: &Sources) -> BTreeMap<String, Vec<(Span, Layer)>> {
-    // A table with a header is no single value; an inline table is.
+    // A table with a header is not a single value; an inline table is.
     let single = |node: &Node| {
         node.table().is_none()
             || sources
@@ -438,7 +438,7 @@ fn baselines(experiment: &Experiment, sources: &Sources) -> Vec<NamedSpec> {
     names.into_iter().enumerate().map(named).collect()
 }
 
-/// The file that paths in a key begin at: the one that has the key, or for an assignment the spec.
+/// The file that a key's paths are relative to: the one with the key, or the spec for an assignment.
 fn naming_file<'a>(experiment: &'a Experiment, key: &str, sources: &'a Sources) -> &'a Path {
     match experiment.marks.get(key) {
         Some(mark) if mark.layer != Layer::Set => &sources.get(mark.value.source).name,
@@ -450,7 +450,7 @@ fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(|| "spec".to_owned(), |stem| stem.to_string_lossy().into_owned())
 }
 
-/// Orders diagnostics by file and place; what has no place comes first.
+/// Sorts diagnostics by file and position; those without a place come first.
 pub(super) fn sort(sink: &mut Sink) {
     sink.diagnostics
         .sort_by_key(|found| found.labels.first().map(|label| (label.span.source, label.span.start)));

@@ -8,20 +8,20 @@ use crate::syntax::Layer;
 /// The place of a value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// Where its key stands; for a default, where the table stands.
+    /// Place of its key; for a default, of the table.
     pub key: Span,
-    /// Where the value stands.
+    /// Place of the value.
     pub value: Span,
-    /// Who wrote it.
+    /// The layer that set it.
     pub layer: Layer,
-    /// The value as TOML in the author's spelling; empty for a table that is no single value.
+    /// The value as TOML as written; empty for a table that is not a single value.
     pub text: String,
 }
 
 /// The places of all values of a decoded table.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Marks {
-    /// By path: keys and list indices joined by points.
+    /// By path: keys and list indices joined by dots.
     pub by_path: BTreeMap<String, Mark>,
 }
 
@@ -31,13 +31,13 @@ impl Marks {
         self.by_path.get(path)
     }
 
-    /// The places of all values that someone wrote; defaults stand nowhere.
+    /// The places of all values except defaults, which have none.
     pub fn places(&self) -> BTreeMap<String, Span> {
         let written = self.by_path.iter().filter(|(_, mark)| mark.layer != Layer::Default);
         written.map(|(path, mark)| (path.clone(), mark.value)).collect()
     }
 
-    /// The place of a value, or of the nearest table or list around it. Indices may be written `[3]` or
+    /// The place of a value, or of the innermost table or list around it. Indices may be written `[3]` or
     /// `.3`.
     pub fn nearest(&self, path: &str) -> Option<&Mark> {
         let path = path.replace('[', ".").replace(']', "");
@@ -51,7 +51,7 @@ impl Marks {
     }
 }
 
-/// A path one step deeper.
+/// A path extended by one key.
 pub fn below(path: &str, key: &str) -> String {
     if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
 }

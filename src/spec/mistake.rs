@@ -1,7 +1,7 @@
-//! Keys with mistakes of their own: what is computed cannot be set, and those of the low-level law have their
-//! own words.
+//! Custom messages for keys: derived values cannot be set, and keys of the low-level controller have their
+//! own codes.
 
-/// Values that are computed, and from what. They cannot be set (E0603).
+/// Derived values and what they are computed from. They cannot be set (E0603).
 pub const DERIVED: &[(&str, &str)] = &[
     ("spec", "the file's own edition"),
     ("extends", "the file's own parents"),
@@ -19,7 +19,7 @@ pub const DERIVED: &[(&str, &str)] = &[
     ("task.period", "the reference motion"),
 ];
 
-/// A code and words of its own for a key that is missing or must not be there, in tables of one kind.
+/// The code and message for a key that is missing or not allowed in tables of one kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wording {
     /// The section.
@@ -28,7 +28,7 @@ pub struct Wording {
     pub kind: &'static str,
     /// The key; empty for the section itself.
     pub key: &'static str,
-    /// The code in place of E0101, E0102 or E0105.
+    /// The code that replaces E0101, E0102 or E0105.
     pub code: &'static str,
     /// The message.
     pub message: &'static str,
@@ -36,7 +36,7 @@ pub struct Wording {
     pub help: &'static str,
 }
 
-/// Mistakes about the low-level law, which have codes of their own.
+/// Mistakes in the low-level controller, which have their own codes.
 pub const WORDINGS: &[Wording] = &[
     gain_of_torque("stiffness"),
     gain_of_torque("damping"),

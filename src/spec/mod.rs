@@ -1,4 +1,4 @@
-//! Specs: descriptors of what may be written, values that were written, and where they came from.
+//! Specs: descriptors of the language, decoded values and their origins.
 
 pub mod allow;
 mod body;

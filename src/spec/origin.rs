@@ -38,7 +38,7 @@ pub enum Origin {
         /// The line, from 1.
         line: usize,
     },
-    /// An assignment of the command line.
+    /// An assignment on the command line.
     Set {
         /// The assignment.
         assignment: String,
@@ -80,7 +80,7 @@ impl Layers<'_> {
     }
 }
 
-/// The origins of all values that are no tables.
+/// The origins of all values except tables.
 pub fn origins(
     table: &Table,
     marks: &Marks,
@@ -109,12 +109,12 @@ pub fn origins(
     origins
 }
 
-/// Where the lines of a text end.
+/// The positions of the line ends of a text.
 fn line_breaks(text: &str) -> Vec<usize> {
     text.match_indices('\n').map(|(at, _)| at).collect()
 }
 
-/// Calls a function with the path of every value that is no table.
+/// Calls a function with the path of every value except tables.
 fn collect(table: &Table, path: &str, visit: &mut impl FnMut(&str)) {
     for (key, value) in table {
         let path = super::marks::below(path, key);

@@ -1,5 +1,5 @@
-//! The robot and motion files that specs name in their project. Where a project has no such file, the copy
-//! inside the program is taken, so that the program runs from any folder.
+//! The robot and motion files of a project. Files that are missing there are taken from the copies embedded
+//! in the program, so that it runs from any folder.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -10,37 +10,37 @@ use super::{Attachment, Embedded};
 use crate::diag::{Diagnostic, Sink, Sources, Span};
 use crate::syntax::{Files, file};
 
-/// A sort of file that specs name.
+/// A type of file that specs name.
 #[derive(Clone, Copy, Debug)]
 pub struct Shelf<'a> {
     /// What it holds: `robot`.
     pub noun: &'static str,
     /// Its folder below the project's: `robots`.
     pub folder: &'static str,
-    /// The code when a file is not there.
+    /// The code for a missing file.
     pub code: &'static str,
-    /// The files that come with the program.
+    /// The files embedded in the program.
     pub embedded: &'a [Embedded],
 }
 
-/// Whether a spec can name a file so.
+/// Whether a name is valid for a file in a spec.
 fn is_name(name: &str) -> bool {
     !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'))
 }
 
-/// A project whose files are looked for.
+/// A project to search for files.
 #[derive(Clone, Copy)]
 pub struct Project<'a> {
     /// The file system.
     pub files: &'a dyn Files,
     /// The project's folder.
     pub folder: &'a Path,
-    /// What may be read outside of it.
+    /// What may be read outside the project.
     pub reach: &'a Reach,
 }
 
 impl Shelf<'_> {
-    /// Finds a file by the name that stands at `place`.
+    /// Finds a file by name; `place` is the place of the name.
     pub fn find(
         &self,
         name: &str,
@@ -51,7 +51,7 @@ impl Shelf<'_> {
     ) -> Option<Attachment> {
         let Project { files, folder, reach } = *project;
         let path = self.path(folder, name);
-        // What is there and no file is told when it is read.
+        // A path that exists but is not a file is reported when it is read.
         if is_name(name) && files.sort(&path).is_ok() {
             if let Some(refusal) = reach.refusal(files, &path) {
                 sink.emit(refusal.at(place, "named here"));
@@ -95,29 +95,29 @@ impl Shelf<'_> {
         None
     }
 
-    /// The file of this name in a project.
+    /// The path of the file of this name in a project.
     pub fn path(&self, folder: &Path, name: &str) -> PathBuf {
         folder.join(self.folder).join(format!("{name}.toml"))
     }
 
-    /// The file of this name that comes with the program.
+    /// The embedded file of this name.
     pub fn shipped(&self, name: &str) -> Option<&Embedded> {
         self.embedded.iter().find(|embedded| embedded.name == name)
     }
 
-    /// Whether a project's file of this name and text hides another one that comes with the program.
+    /// Whether a project's file of this name and text hides a different embedded one.
     pub fn replaces(&self, name: &str, text: &str) -> bool {
         self.shipped(name).is_some_and(|embedded| embedded.text != text)
     }
 
-    /// That the project's file of this name hides the one that comes with the program (W0421).
+    /// W0421: the project's file of this name hides the embedded one.
     pub fn replaced(&self, name: &str, path: &Path) -> Diagnostic {
         let (noun, path) = (self.noun, crate::escape::file(path));
         Diagnostic::warning("W0421", format!("`{path}` replaces the built-in {noun} `{name}`"))
             .help("rename the file, or allow the warning if the replacement is intended")
     }
 
-    /// The names on the shelf of a project that a spec can write, sorted.
+    /// All names that a spec of the project can use, sorted.
     pub fn names(&self, files: &dyn Files, root: Option<&Path>) -> Vec<String> {
         let written = root.map(|root| files.names(&root.join(self.folder))).unwrap_or_default();
         let written = written.iter().filter_map(|name| name.strip_suffix(".toml").map(str::to_owned));

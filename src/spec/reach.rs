@@ -1,5 +1,5 @@
-//! Which files a spec may read: those of its project, and those of folders that the command line allows.
-//! Decided by where a path leads, links included, not by how it is written.
+//! Which files a spec may read: those of its project and of folders allowed on the command line. Decided by
+//! the resolved path, following symbolic links.
 
 use std::path::{Path, PathBuf};
 
@@ -8,31 +8,31 @@ use crate::diag::Diagnostic;
 use crate::syntax::Files;
 use crate::syntax::files::{Sort, plain};
 
-/// What a spec may read.
+/// The files that a spec may read.
 #[derive(Clone, Debug, Default)]
 pub struct Reach {
-    /// The project's folder, as it is written and where it leads.
+    /// The project's folder, as written and resolved.
     own: Vec<PathBuf>,
     /// The folders of `--allow-outside`, likewise.
     allowed: Vec<PathBuf>,
 }
 
-/// Where a path leads.
+/// The location of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     /// Into the project.
     Project,
-    /// Out of it, into a folder that the command line allows.
+    /// Outside the project, in a folder allowed on the command line.
     Allowed,
     /// Anywhere else.
     Outside,
 }
 
 impl Reach {
-    /// What a spec may read: its project, and these folders.
+    /// The project of a spec and the folders allowed in addition.
     pub fn of(files: &dyn Files, spec: &Path, allowed: &[PathBuf]) -> Self {
         let folder = folder(files, spec);
-        // An empty path is the current folder, and would hold every path.
+        // An empty path is the current folder, and would match every path.
         let named = |folder: &Path| {
             if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder.to_owned() }
         };
@@ -40,7 +40,7 @@ impl Reach {
         Self { own: both(&folder).into(), allowed: allowed.iter().flat_map(|folder| both(folder)).collect() }
     }
 
-    /// Where a path leads.
+    /// The location of a path.
     pub fn place(&self, files: &dyn Files, path: &Path) -> Place {
         let target = led(files, path);
         let holds = |folders: &[PathBuf]| folders.iter().any(|folder| target.starts_with(folder));
@@ -51,7 +51,7 @@ impl Reach {
         }
     }
 
-    /// E0110 for a path that leads out, without its place in a text.
+    /// E0110 for a path outside, without a place in a text.
     pub fn refusal(&self, files: &dyn Files, path: &Path) -> Option<Diagnostic> {
         if self.place(files, path) != Place::Outside {
             return None;
@@ -63,7 +63,7 @@ impl Reach {
             return Some(error.help("it is a folder: name a file of the project"));
         }
         let written = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        // What is allowed is where a path leads: of a link that is another folder than the one that it is in.
+        // The folder to allow is that of the resolved path, which for a link is not the link's own folder.
         let folder = match target.parent() {
             Some(there) if !target.starts_with(led(files, written)) => there,
             _ => written,
@@ -75,7 +75,7 @@ impl Reach {
     }
 }
 
-/// The file that a path leads to; of one that does not exist the folder that it would be in decides.
+/// The resolved path; for a file that does not exist, its folder is resolved.
 fn led(files: &dyn Files, path: &Path) -> PathBuf {
     let path = plain(&files.absolute(path));
     let exists = |path: &Path| files.sort(path).is_ok();

@@ -1,18 +1,18 @@
-//! The sections of a spec and what may stand in them. The kinds come from the registries, as a
-//! [`Vocabulary`] value: this module knows the shape of a spec, not what a kind does.
+//! The sections of a spec and the keys allowed in them. The kinds come from the registries as a
+//! [`Vocabulary`]: this module describes the form of a spec, not the behaviour of kinds.
 
 use super::{Kind, Param, Sampler, Ty};
 use crate::spec::typed::prelude::*;
 use crate::syntax::Forms;
 
-/// What a section holds.
+/// The contents of a section.
 #[derive(Clone, Debug)]
 pub enum Shape {
     /// Plain keys.
     Plain(&'static [Param]),
     /// The keys of one kind.
     Kind(Vec<&'static Kind>),
-    /// Named terms, each of a kind, with keys that all of them take.
+    /// Named terms, each of a kind, with keys common to all.
     Terms(Vec<&'static Kind>, &'static [Param]),
 }
 
@@ -21,15 +21,15 @@ pub enum Shape {
 pub struct SectionShape {
     /// Its name.
     pub name: &'static str,
-    /// What its kinds are, for messages: `reward term`.
+    /// The noun of its kinds, for messages: `reward term`.
     pub noun: &'static str,
     /// What it holds.
     pub shape: Shape,
-    /// Whether every spec has it.
+    /// Whether it is required.
     pub required: bool,
 }
 
-/// A file that comes with the program.
+/// A file embedded in the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Embedded {
     /// Its name without folder and ending.
@@ -38,14 +38,14 @@ pub struct Embedded {
     pub text: &'static str,
 }
 
-/// Everything that may be written in a spec.
+/// All sections, robots and motions that specs can use.
 #[derive(Clone, Debug, Default)]
 pub struct Vocabulary {
-    /// The sections in the order in which they are shown.
+    /// The sections in display order.
     pub sections: Vec<SectionShape>,
-    /// Robots that come with the program.
+    /// Embedded robots.
     pub robots: Vec<Embedded>,
-    /// Motions that come with the program.
+    /// Embedded motions.
     pub motions: Vec<Embedded>,
 }
 
@@ -122,7 +122,7 @@ impl Vocabulary {
         }
     }
 
-    /// Values with several forms, which replace each other when specs merge.
+    /// Values with several forms; on merging, one form replaces another.
     pub fn forms(&self) -> Forms {
         let words = Sampler::WORDS.iter().map(|word| vec![*word]).collect();
         let mut forms = Forms { values: vec![words], terms: Vec::new() };

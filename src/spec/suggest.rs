@@ -1,12 +1,12 @@
-//! The name that was probably meant: one suggestion at most, from the names that are valid in a place.
+//! Spelling suggestions: at most one, from the names that are valid in a place.
 
-/// Longest word in letters that a name is suggested for; the work grows with its square.
+/// Maximum length in letters of a word that gets a suggestion; the cost grows with its square.
 const LONGEST: usize = 100;
 
-/// Most names that are compared with a word.
+/// Maximum number of names compared with a word.
 const MOST: usize = 1000;
 
-/// The valid name nearest to a word, if one is near enough to be what the author meant.
+/// The valid name nearest to a word, if it is close enough to be a misspelling.
 pub fn nearest<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let length = word.chars().count();
     if length > LONGEST {
@@ -14,7 +14,7 @@ pub fn nearest<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> Opti
     }
     let limit = (length / 3).max(1);
     let mut best: Option<(usize, &str)> = None;
-    // The distance is at least the difference of the lengths, which costs nothing to compare.
+    // The difference of the lengths is a cheap lower bound of the distance.
     for name in names.into_iter().take(MOST).filter(|name| name.chars().count().abs_diff(length) <= limit) {
         let distance = if rearranged(word, name) { 1 } else { strsim::damerau_levenshtein(word, name) };
         if distance <= limit && best.is_none_or(|(least, _)| distance < least) {
@@ -24,8 +24,8 @@ pub fn nearest<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> Opti
     best.map(|(_, name)| name)
 }
 
-/// Whether two names hold the same words in another order or spelling of the joints: `track_velocity`
-/// and `velocity-track`.
+/// Whether two names have the same words in another order or with other separators: `track_velocity` and
+/// `velocity-track`.
 fn rearranged(a: &str, b: &str) -> bool {
     let words = |name: &str| {
         let mut words: Vec<String> = name.split(['_', '-', ' ']).map(str::to_lowercase).collect();
@@ -35,8 +35,8 @@ fn rearranged(a: &str, b: &str) -> bool {
     words(a) == words(b)
 }
 
-/// A name with `_` in place of each run of characters that are not allowed in it; `None` if nothing else is
-/// left or the name is so long that nobody wants it.
+/// A name with each run of invalid characters replaced by `_`; `None` if nothing else is left or the name is
+/// too long to be useful.
 pub fn safe_name(name: &str, is_allowed: impl Fn(char) -> bool) -> Option<String> {
     let words: Vec<&str> = name.split(|c| !is_allowed(c)).filter(|word| !word.is_empty()).collect();
     Some(words.join("_")).filter(|safe| !safe.is_empty() && safe.chars().count() <= LONGEST)

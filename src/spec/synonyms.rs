@@ -1,14 +1,14 @@
-//! What other programs call the keys, kinds and sections of a spec: legged_gym, Isaac Lab, Stable-Baselines3
-//! and the papers that use them. Suggestions, `explain` and `docs/reference/synonyms.md` read this one table.
+//! Names of keys, kinds and sections in other programs: legged_gym, Isaac Lab, Stable-Baselines3 and the
+//! papers that use them. Source of suggestions, `explain` and `docs/reference/synonyms.md`.
 
-/// Names of one thing elsewhere and here.
+/// Names of the same thing elsewhere and here.
 #[derive(Clone, Copy, Debug)]
 pub struct Synonym {
     /// The names elsewhere, in lower case with underscores.
     pub theirs: &'static [&'static str],
     /// The paths here: sections, keys (`learn.gamma`) and kinds (`reward.torque`); `*` is the name of a term.
     pub ours: &'static [&'static str],
-    /// What differs beside the name; empty if nothing does.
+    /// What differs besides the name; empty if nothing does.
     pub note: &'static str,
 }
 
@@ -24,9 +24,9 @@ const fn differs(
     Synonym { theirs, ours, note }
 }
 
-/// A part of the table with its title.
+/// A part of the table, with a title.
 pub struct Part {
-    /// What it is about.
+    /// Its heading.
     pub title: &'static str,
     /// Its rows.
     pub rows: &'static [Synonym],
@@ -250,7 +250,7 @@ const EVALUATION: &[Synonym] = &[
     same(&["logger", "wandb", "logging"], &["report"]),
 ];
 
-/// The row of a name, written with any case and with `-`, `_` or blanks.
+/// The row of a name, in any case and with `-`, `_` or blanks.
 pub fn find(word: &str) -> Option<&'static Synonym> {
     if word.len() > LONGEST {
         return None;
@@ -259,11 +259,10 @@ pub fn find(word: &str) -> Option<&'static Synonym> {
     PARTS.iter().flat_map(|part| part.rows).find(|row| row.theirs.contains(&word.as_str()))
 }
 
-/// No name is longer than this many bytes.
+/// Maximum length of a name in bytes.
 const LONGEST: usize = 40;
 
-/// The name here of what is written in the table `path`, if the table knows it: `environments` for `num_envs`
-/// in `learn`.
+/// The name here of a key written in the table `path`, if known: `environments` for `num_envs` in `learn`.
 pub fn here<'a>(word: &str, path: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let row = rows(word).find_map(|row| {
         row.ours.iter().find_map(|ours| {
@@ -274,7 +273,7 @@ pub fn here<'a>(word: &str, path: &str, names: impl IntoIterator<Item = &'a str>
     names.into_iter().find(|name| *name == row)
 }
 
-/// What to write instead, for a name that belongs elsewhere in the spec.
+/// What to write instead of a name that belongs elsewhere in the spec.
 pub fn elsewhere(word: &str) -> Option<String> {
     let row = find(word)?;
     let paths: Vec<String> = row.ours.iter().map(|path| format!("`{}`", shown(path))).collect();
@@ -282,7 +281,7 @@ pub fn elsewhere(word: &str) -> Option<String> {
     Some(format!("here it is {}{}", paths.join(" or "), note.trim_end_matches('.')))
 }
 
-/// A path as people read it.
+/// A path as displayed.
 pub fn shown(path: &str) -> String {
     path.replace('*', "NAME")
 }

@@ -1,4 +1,4 @@
-//! Whole specs in a folder of their own, with a small vocabulary.
+//! Whole specs in their own folder, with a small vocabulary.
 
 use std::path::PathBuf;
 
@@ -54,7 +54,7 @@ fn vocabulary() -> Vocabulary {
     Vocabulary { sections, robots, motions: vec![Embedded { name: "stroll", text: "" }] }
 }
 
-/// A folder with these files.
+/// A temporary folder with these files.
 struct Folder(tempfile::TempDir);
 
 impl Folder {
@@ -85,7 +85,7 @@ impl Folder {
         load(&self.path(name), &options, &vocabulary())
     }
 
-    /// The experiment of a spec without mistakes.
+    /// The experiment of a valid spec.
     fn sound(&self, name: &str, profile: Option<&str>, sets: &[&str]) -> Experiment {
         let loaded = self.load(name, profile, sets);
         assert!(loaded.sink.diagnostics.is_empty(), "{:#?}", loaded.sink.diagnostics);
@@ -377,7 +377,7 @@ fn a_motion_is_found_beside_robots_beside_the_parents_and_beside_the_spec() {
         let motion = loaded.experiment.expect("understood in part").motion.expect("found");
         assert_eq!(motion.path, Some(folder.path("specs/motions/mine.toml")), "{}", files[0].0);
     }
-    // Where it is not, the folder that was searched is told.
+    // If the file is missing, the message names the folder that was searched.
     let folder = Folder::bare(&[("walker.toml", text.as_str()), ("motions/mine.toml", own)]);
     let told = folder.load("walker.toml", None, &[]).sink.diagnostics;
     let help = &told.iter().find(|found| found.code == "E0304").expect("it is not there").help;
@@ -396,7 +396,7 @@ fn names_that_do_not_fit_into_a_file_s_name_are_e0107() {
     };
     assert_eq!(codes("walker.toml", &named(&long)), 1);
     assert_eq!(codes("walker.toml", &named(&long[1..])), 0);
-    // A spec without `name` has its file's.
+    // A spec without `name` is named after its file.
     assert_eq!(codes(&format!("{long}.toml"), &WALKER.replace("name = \"walker\"\n", "")), 1);
     assert_eq!(codes(&format!("{long}.toml"), &named("short")), 0);
 }
@@ -413,7 +413,7 @@ fn warnings_are_allowed_with_a_reason() {
     assert_eq!(experiment.allow["W0501"], "an ablation");
 }
 
-/// A spec with parts cut out and put in.
+/// A spec with parts removed and inserted at random.
 fn damaged() -> impl Strategy<Value = String> {
     let piece = prop::sample::select(vec![
         "[",

@@ -1,7 +1,7 @@
-//! Decoded values: what the rest of the program reads of a spec.
+//! Decoded values, which the rest of the program uses.
 //!
-//! Everything is SI. A quantity remembers its author's text for printing; fingerprints use only the
-//! number ([`Value::canonical`]), so `"4 ms"` and `"0.004 s"` are one value.
+//! All numbers are SI. A quantity stores its original text for printing; fingerprints use only the number
+//! ([`Value::canonical`]), so `"4 ms"` and `"0.004 s"` are one value.
 
 use std::collections::BTreeMap;
 
@@ -18,9 +18,9 @@ pub type Table = BTreeMap<String, Value>;
 pub enum Value {
     /// `true` or `false`.
     Flag(bool),
-    /// A whole number of things.
+    /// A whole number.
     Count(u64),
-    /// A number, in SI units, with the author's text.
+    /// A number in SI units, with its original text.
     Quantity(Quantity),
     /// A word or a text.
     Text(String),
@@ -32,22 +32,22 @@ pub enum Value {
     Table(Table),
 }
 
-/// A number in SI units and how its author wrote it.
+/// A number in SI units and its original text.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Quantity {
     /// The value in SI units; a ratio is 1.0 at 100 %.
     pub si: f64,
-    /// The author's text, for example `4 ms`, `10 %` or `0.3`.
+    /// The original text, for example `4 ms`, `10 %` or `0.3`.
     pub text: String,
 }
 
 impl Quantity {
-    /// Whether the author's text, read again, gives the number.
+    /// Whether parsing the text gives the number.
     pub fn says_its_number(&self) -> bool {
         self.reading() == Some(true)
     }
 
-    /// Whether the text, read again, gives another number. Text that cannot be read says nothing.
+    /// Whether parsing the text gives another number. False if it cannot be parsed.
     pub fn denies_its_number(&self) -> bool {
         self.reading() == Some(false)
     }
@@ -55,14 +55,13 @@ impl Quantity {
     fn reading(&self) -> Option<bool> {
         let bare = || self.text.replace('_', "").parse().ok();
         let read: f64 = quantity::quantity(&self.text).ok().map(|parsed| parsed.si).or_else(bare)?;
-        // A number that was computed and then printed may differ in the last digits.
+        // A number that was computed and then printed may differ in its last digits.
         Some((read - self.si).abs() <= 1e-9 * self.si.abs())
     }
 }
 
-/// A distribution over numbers in SI units: the one sampler type of noise, randomization, commands
-/// and initial states. Drawing from it is [`crate::spec::value::Sampler`]'s user's business, with a
-/// named random stream.
+/// A distribution over numbers in SI units: the sampler type of noise, randomization, commands and initial
+/// states. Users of [`crate::spec::value::Sampler`] draw from it with their own named random streams.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sampler {
@@ -74,7 +73,7 @@ pub enum Sampler {
     Normal([f64; 2]),
     /// Log-uniform over `[low, high]`.
     LogUniform([f64; 2]),
-    /// One of these with equal chance.
+    /// One of these, with equal probability.
     Choice(Vec<f64>),
 }
 
@@ -82,7 +81,7 @@ impl Sampler {
     /// The words for distributions.
     pub const WORDS: &[&str] = &["choice", "log_uniform", "normal", "uniform"];
 
-    /// The interval that holds every draw; three standard deviations for a normal distribution.
+    /// The interval of all draws; three standard deviations for a normal distribution.
     pub fn bounds(&self) -> [f64; 2] {
         match self {
             Self::Constant(value) => [*value, *value],
@@ -95,7 +94,7 @@ impl Sampler {
         }
     }
 
-    /// A draw, from two uniform numbers in `[0, 1)`. Only the normal distribution uses the second.
+    /// A draw, given two uniform numbers in `[0, 1)`. Only the normal distribution uses the second.
     pub fn draw(&self, first: f64, second: f64) -> f64 {
         match self {
             Self::Constant(value) => *value,
@@ -114,7 +113,7 @@ impl Sampler {
 }
 
 impl Value {
-    /// The text of a text.
+    /// The string of a text.
     pub fn as_text(&self) -> Option<&String> {
         match self {
             Self::Text(text) => Some(text),
@@ -122,7 +121,7 @@ impl Value {
         }
     }
 
-    /// The table of a table.
+    /// The entries of a table.
     pub fn as_table(&self) -> Option<&Table> {
         match self {
             Self::Table(table) => Some(table),
@@ -130,8 +129,7 @@ impl Value {
         }
     }
 
-    /// The value as canonical JSON: SI numbers, no text, keys sorted. Two values that mean the same
-    /// have the same canonical JSON.
+    /// The value as canonical JSON: SI numbers, no text, keys sorted. Equal values have equal canonical JSON.
     pub fn canonical(&self) -> serde_json::Value {
         use serde_json::json;
         match self {
@@ -154,9 +152,9 @@ pub fn canonical_table(table: &Table) -> serde_json::Value {
 
 /// A view of one decoded table.
 ///
-/// Keys are read through their declarations ([`crate::spec::typed`]); only this folder reads keys by their
-/// names. Those getters panic when a key is missing or has another type: decoding has made sure of both from
-/// the descriptor, so that can only be a bug in specforge.
+/// Keys are read through their declarations ([`crate::spec::typed`]); only this folder reads keys by name.
+/// Those getters panic if a key is missing or has another type: decoding checks both against the descriptor,
+/// so that is a bug in specforge.
 #[derive(Clone, Copy, Debug)]
 pub struct Section<'a> {
     table: &'a Table,
@@ -173,17 +171,17 @@ impl<'a> Section<'a> {
         self.table
     }
 
-    /// The kind of the table, which decoding has filled in.
+    /// The kind of the table, filled in by decoding.
     pub fn kind(&self) -> Option<&'a str> {
         self.text_if("kind")
     }
 
-    /// The value of a key that may be absent.
+    /// The value of an optional key.
     pub fn get(&self, key: &str) -> Option<&'a Value> {
         self.table.get(key)
     }
 
-    /// Whether the key is there.
+    /// Whether the key is present.
     pub(super) fn has(&self, key: &str) -> bool {
         self.table.contains_key(key)
     }
@@ -197,7 +195,7 @@ impl<'a> Section<'a> {
         number(self.expect(key)).unwrap_or_else(|| panic!("the descriptor promised a number at `{key}`"))
     }
 
-    /// A number in SI units, when the key is there.
+    /// A number in SI units, if the key is present.
     pub(super) fn si_if(&self, key: &str) -> Option<f64> {
         self.get(key).and_then(number)
     }
@@ -223,7 +221,7 @@ impl<'a> Section<'a> {
         self.text_if(key).unwrap_or_else(|| panic!("the descriptor promised a text at `{key}`"))
     }
 
-    /// A word or text, when the key is there.
+    /// A word or text, if the key is present.
     pub(super) fn text_if(&self, key: &str) -> Option<&'a str> {
         match self.get(key) {
             Some(Value::Text(text)) => Some(text),
@@ -231,7 +229,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A table below this one, when the key is there.
+    /// The table of this key, if present.
     pub fn section(&self, key: &str) -> Option<Section<'a>> {
         match self.get(key) {
             Some(Value::Table(table)) => Some(Section { table }),

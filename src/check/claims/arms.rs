@@ -1,4 +1,4 @@
-//! E0803 and E0806: the arms that a claim names are there, and are as many as it can speak about.
+//! E0803 and E0806: the arms that a claim names exist, and their number suits the claim.
 
 use super::{Scope, at, name};
 use crate::diag::{Diagnostic, Sink, Span};
@@ -32,8 +32,8 @@ pub fn cases_of(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Vec<Cas
     }
 }
 
-/// E0803, E0805 and E0806: every arm of the cases has one other arm that differs in the points of the twin
-/// alone, with as many seeds.
+/// E0803, E0805 and E0806: every arm of the cases has exactly one other arm that differs only in the twin's
+/// points, with the same number of seeds.
 fn have_twins(
     claim: &Claim,
     pattern: &ArmPattern,
@@ -69,7 +69,7 @@ fn have_twins(
     None
 }
 
-/// E0805: the twin of an arm has a run of each seed.
+/// E0805: the twin has a run for each seed of the arm.
 fn fewer_seeds(scope: &Scope, arm: usize, twin: usize) -> Option<(Diagnostic, String)> {
     let [own, other] = [arm, twin].map(|arm| &scope.arms[arm]);
     if other.runs >= own.runs {
@@ -82,10 +82,10 @@ fn fewer_seeds(scope: &Scope, arm: usize, twin: usize) -> Option<(Diagnostic, St
     Some((Diagnostic::error("E0805", message).help(help), format!("this is `{}`", name(other.points))))
 }
 
-/// Where one of the points of a term stands, given where all of them do.
+/// The place of one point of a term, given the place of all its points.
 fn place_of(term: &Term, point: &str, all: Span) -> Span {
     match term.point.find(point) {
-        // Without escapes the text is as long as its place.
+        // Without escapes, text and source have the same length.
         Some(at) if all.end - all.start == term.point.len() => {
             Span { start: all.start + at, end: all.start + at + point.len(), ..all }
         }
@@ -93,12 +93,12 @@ fn place_of(term: &Term, point: &str, all: Span) -> Span {
     }
 }
 
-/// Whether what is written in a term means one of these points at least.
+/// Whether an alternative of a term matches any of these points.
 fn names_one(written: &str, known: &[&str]) -> bool {
     known.iter().any(|point| is_meant(written, point))
 }
 
-/// E0803: every axis and point that a claim names exists, whatever arms there are.
+/// E0803: every axis and point that a claim names exists, regardless of which arms do.
 pub fn names_are_known(claim: &Claim, scope: &Scope, sink: &mut Sink) {
     for (side, pattern) in &claim.sides {
         let path = if claim.sides.len() == 1 { "arm".to_owned() } else { format!("compare.{side}") };
@@ -110,7 +110,7 @@ pub fn names_are_known(claim: &Claim, scope: &Scope, sink: &mut Sink) {
     }
 }
 
-/// Every axis and point of a pattern exists, and some arm has all of them.
+/// Every axis and point of a pattern exists, and some arm matches them all.
 fn exists(claim: &Claim, path: &str, pattern: &ArmPattern, scope: &Scope, sink: &mut Sink) -> bool {
     if !terms_exist(claim, path, pattern, scope, sink) {
         return false;
@@ -163,7 +163,7 @@ fn terms_exist(claim: &Claim, path: &str, pattern: &ArmPattern, scope: &Scope, s
     sound
 }
 
-/// The axis that a claim is over is one of the suite's.
+/// The `over` axis of a claim is one of the suite's.
 fn axis_exists(claim: &Claim, scope: &Scope, sink: &mut Sink) -> bool {
     let Some((key, axis)) = claim.over.as_ref().and_then(Over::named) else { return true };
     let axes = || scope.axes.iter().map(|(name, _)| *name);
@@ -183,7 +183,7 @@ fn axis_exists(claim: &Claim, scope: &Scope, sink: &mut Sink) -> bool {
     false
 }
 
-/// What is wrong with the cases of a claim: the key to point at, the error and the remark.
+/// What is wrong with the cases of a claim: the key to point at, the error and the label.
 fn trouble(
     claim: &Claim,
     scope: &Scope,
@@ -276,10 +276,10 @@ fn trouble(
     }
 }
 
-/// The fewest points of a trend.
+/// Minimum number of points of a trend.
 const FEWEST_OF_A_TREND: usize = 3;
 
-/// Whether every case stands at another point of an axis.
+/// Whether every case is at a different point of an axis.
 fn differ_in(axis: &str, points: &[&Points], cases: &[Case]) -> bool {
     let of =
         |case: &Case| points[case.a].iter().find(|(own, _)| own == axis).map(|(_, point)| point.as_str());
@@ -289,18 +289,18 @@ fn differ_in(axis: &str, points: &[&Points], cases: &[Case]) -> bool {
     all.len() == cases.len()
 }
 
-/// A number of comparisons as one of those that leave a choice: 1 to one less than all. At most none is such
-/// a number.
+/// A count of comparisons, shifted to the range in which it is a real choice: 1 to all but one. `AtMost(0)`
+/// is one.
 fn usable(over: &Over, count: usize) -> usize {
     if matches!(over, Over::AtMost(_)) { count + 1 } else { count }
 }
 
-/// The largest of them: that all hold is `each`, that at most all but one do is a choice.
+/// The largest such count: "all hold" is `each`, but "at most all but one" is a choice.
 fn most_usable(over: &Over, cases: usize) -> usize {
     if matches!(over, Over::AtMost(_)) { cases } else { cases.saturating_sub(1) }
 }
 
-/// Whether an arm stands in more than one case.
+/// Whether an arm is in more than one case.
 fn repeats(cases: &[Case]) -> bool {
     let twice = |arm: &dyn Fn(&Case) -> Option<usize>| {
         let mut all: Vec<usize> = cases.iter().filter_map(arm).collect();

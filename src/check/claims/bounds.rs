@@ -1,4 +1,4 @@
-//! E0204: the numbers of a claim lie where the values of its metric can.
+//! E0204: the numbers of a claim are possible values of its metric.
 
 use super::range::{self, Range, in_unit, is_ratio};
 use super::training::Budget;
@@ -10,8 +10,8 @@ use crate::kinds::statistic::{Method, StatisticKind};
 use crate::spec::claim::{Case, Claim, Operand, Over};
 use crate::statistics::region::Region;
 
-/// E0204: the number that an arm is compared with is one that the metric, its difference or its ratio can
-/// have. The ends of the range are: whether they can be told from the rest depends on the test (W0511).
+/// E0204: the number that an arm is compared with is a possible value of the metric, its difference or its
+/// ratio. The ends of the range are allowed: whether a test can exclude them is checked by W0511.
 pub fn number_is_possible(claim: &Claim, statistic: &StatisticKind, metric: &MetricKind, sink: &mut Sink) {
     let Operand::Number(number) = &claim.expect.right else { return };
     if statistic.method == Method::ProbabilityOfImprovement || matches!(claim.over, Some(Over::Trend(_))) {
@@ -36,7 +36,7 @@ fn measured(claim: &Claim, metric: &MetricKind) -> String {
     }
 }
 
-/// E0204: distances between arms are such that two values of the metric can be so far apart.
+/// E0204: two values of the metric can differ by the distances of the claim.
 pub fn distances_are_possible(
     claim: &Claim,
     statistic: &StatisticKind,
@@ -68,7 +68,7 @@ pub fn distances_are_possible(
     }
 }
 
-/// E0204: the effect and the spread that are assumed are possible for the metric. Whether they are.
+/// E0204: the assumed effect and spread are possible for the metric. Returns whether they are.
 pub fn assumed_values_are_possible(
     claim: &Claim,
     metric: &MetricKind,
@@ -80,7 +80,7 @@ pub fn assumed_values_are_possible(
         let error = at(claim, key, Diagnostic::error("E0204", message), "not possible");
         sink.emit(error.help(format!("write a number {}", range.in_words(claim, metric))));
     };
-    // No values between two ends deviate by more than half of their distance (Popoviciu's inequality).
+    // The standard deviation of values in a range is at most half its width (Popoviciu's inequality).
     let most = 0.5 * range::of_a_run(claim, metric).width();
     if claim.spread.as_ref().is_some_and(|spread| spread.si > most) {
         report("spread", "a standard deviation", Range { low: 0.0, high: most });
@@ -96,7 +96,7 @@ pub fn assumed_values_are_possible(
     false
 }
 
-/// E0204: no two arms differ in their samples to a threshold by more than a training has. A
+/// E0204: two arms cannot differ in their samples to a threshold by more than the whole training. A
 /// comparison of one arm with a number is E0807.
 pub fn samples_are_in_the_training(
     claim: &Claim,

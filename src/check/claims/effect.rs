@@ -1,4 +1,4 @@
-//! E0204: the effect that is assumed for the power of a test is one that meets the claim.
+//! E0204: the effect assumed for the power of a test meets the claim.
 
 use super::at;
 use crate::diag::{Diagnostic, Sink};
@@ -7,7 +7,7 @@ use crate::spec::claim::{Claim, Over};
 use crate::statistics::Interval;
 use crate::statistics::region::Region;
 
-/// E0204 when the assumed effect does not meet the expectation, or, of a claim that nothing meets it, when it
+/// E0204 if the assumed effect does not meet the expectation, or, for a claim that no point meets it, if it
 /// does.
 pub fn lies_where_expected(claim: &Claim, statistic: &StatisticKind, sink: &mut Sink) {
     let Some(effect) = claim.effect.as_ref().filter(|_| statistic.method != Method::ProbabilityOfImprovement)

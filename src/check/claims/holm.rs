@@ -1,4 +1,4 @@
-//! W0511: a claim can be established beside all others of its suite, whose p values are corrected together.
+//! W0511: a claim can be established under the Holm correction for all claims of its suite.
 
 use super::{Scope, arms_in, at, sample};
 use crate::check::subject::short;
@@ -8,11 +8,11 @@ use crate::spec::claim::{Case, Claim, Points, cases};
 use crate::spec::suggest::listed;
 use crate::statistics::multiplicity::holm;
 
-/// Halvings of the range of levels in which the smallest p value is looked for.
+/// Bisection steps of the search for the smallest p value among the levels.
 const STEPS: usize = 60;
 
-/// W0511, once: claims over so few runs that Holm's correction for all claims leaves each open, even when
-/// every claim has the smallest p value that its test can give.
+/// W0511, once: claims with so few runs that the Holm correction for all claims leaves each open, even if
+/// every claim has the smallest p value of its test.
 pub fn can_be_established(claims: &[Claim], scope: &Scope, sink: &mut Sink) {
     let planned: Vec<Planned> = claims.iter().map(|claim| Planned::new(claim, scope)).collect();
     let smallest: Vec<f64> = planned.iter().map(|planned| planned.smallest).collect();
@@ -48,14 +48,14 @@ pub fn can_be_established(claims: &[Claim], scope: &Scope, sink: &mut Sink) {
     )));
 }
 
-/// What the test of a claim can come to.
+/// The best possible result of a claim's test.
 struct Planned {
     test: Option<&'static StatisticKind>,
-    /// The fewest runs of its arms.
+    /// Number of runs of its smallest arm.
     runs: usize,
-    /// By what its comparisons divide the level.
+    /// Divisor of the level for its comparisons.
     divisor: f64,
-    /// The smallest p value of the claim.
+    /// The smallest possible p value of the claim.
     smallest: f64,
 }
 
@@ -67,7 +67,7 @@ impl Planned {
         let test = statistic::find(&claim.test);
         let divisor = claim.alpha / sample::levels(claim, scope, &cases)[0];
         let smallest = match test {
-            // A claim that is left open counts among the claims.
+            // A claim that stays open still counts among the claims.
             Some(test) if test.unit() == Unit::Seed => (divisor * smallest_p(test, runs)).min(1.0),
             _ => 0.0,
         };
@@ -75,7 +75,7 @@ impl Planned {
     }
 }
 
-/// The smallest p value that a test of so many runs can have; 1 when it has none below a half.
+/// The smallest possible p value of a test with this many runs; 1 if none is below a half.
 fn smallest_p(test: &StatisticKind, runs: usize) -> f64 {
     let is_reached = |level: f64| (test.least)(level) <= runs;
     let (mut low, mut high) = (libm::log(1e-9), libm::log(0.5));
@@ -98,7 +98,7 @@ mod tests {
         let of = |name: &str, runs: usize| smallest_p(statistic::find(name).expect("a test"), runs);
         assert!((of("welch", 3) - statistic::SMALLEST_OF_FEW).abs() < 1e-9);
         assert!(of("welch", 5) < 1e-8);
-        // Two of the 252 orders of five against five.
+        // Two of the 252 orders of five runs against five.
         assert!((of("mann_whitney", 5) - 2.0 / 252.0).abs() < 1e-9);
         assert_eq!(of("mann_whitney", 1), 1.0);
     }

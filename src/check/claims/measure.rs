@@ -1,5 +1,5 @@
-//! E0804, E0201, E0203, E0101 and E1001: what a claim measures is produced by its arms, in the unit in which
-//! it speaks of it.
+//! E0804, E0201, E0203, E0101 and E1001: the arms of a claim produce its metric, and its numbers have the
+//! metric's unit.
 
 use super::training::Budget;
 use super::{ArmScope, Scope, arms_in, at, name};
@@ -20,7 +20,7 @@ use crate::spec::suggest::{listed, nearest};
 use crate::spec::typed::InSection;
 use crate::spec::{Quantity, Section, Signal, Table};
 
-/// The metric that is named; E0804 when there is none of the name.
+/// The metric of a claim; E0804 if it is unknown.
 pub fn metric(claim: &Claim, sink: &mut Sink) -> Option<&'static MetricKind> {
     let found = metric::find(&claim.metric.name);
     if found.is_none() {
@@ -49,8 +49,8 @@ pub fn metric(claim: &Claim, sink: &mut Sink) -> Option<&'static MetricKind> {
     }
 }
 
-/// E0101 and E0105: a metric of failures needs its parameter; the keys of one sort of metric are not written
-/// for another.
+/// E0101 and E0105: a failure metric requires its parameter; keys of one type of metric are not allowed for
+/// another.
 fn asks_for_what_it_takes(claim: &Claim, metric: &MetricKind, sink: &mut Sink) -> bool {
     let (name, is_of_failures) = (metric.kind.name, matches!(metric.source, Source::Failures(_)));
     let wrong = if is_of_failures && claim.parameter.is_none() {
@@ -102,7 +102,7 @@ pub fn produced(claim: &Claim, metric: &MetricKind, scope: &Scope, cases: &[Case
     }
 }
 
-/// E1001: the arms' task and robot let the metric be measured.
+/// E1001: the metric is defined for the arms' task and robot.
 fn measurable(claim: &Claim, metric: &MetricKind, scope: &Scope, cases: &[Case], sink: &mut Sink) {
     let name_of = metric.kind.name;
     let trouble = |arm: &&ArmScope| {
@@ -131,14 +131,14 @@ fn measurable(claim: &Claim, metric: &MetricKind, scope: &Scope, cases: &[Case],
     }
 }
 
-/// A stage as a claim writes it.
+/// A stage as written in a claim.
 struct Written<'a> {
     stage: &'a str,
-    /// The key of its place.
+    /// The key of its mark.
     key: &'static str,
 }
 
-/// The arms that those of some cases are compared with, as cases of their own.
+/// The arms that those of some cases are compared with, as cases.
 fn twins(pattern: &ArmPattern, scope: &Scope, cases: &[Case]) -> Vec<Case> {
     let points = scope.points();
     let arms = cases.iter().flat_map(|case| [Some(case.a), case.b]).flatten();
@@ -146,7 +146,7 @@ fn twins(pattern: &ArmPattern, scope: &Scope, cases: &[Case]) -> Vec<Case> {
     arms.filter_map(case).collect()
 }
 
-/// Whether a stage of every arm produces the metric; E0804 where it does not.
+/// Whether a stage of every arm produces the metric; E0804 if not.
 fn produced_by(
     claim: &Claim,
     metric: &MetricKind,
@@ -206,8 +206,8 @@ fn produced_by(
     true
 }
 
-/// Whether a training of every arm has samples, so that there is a curve; E0804 where it has none. A profile
-/// and `--set` may leave the training out for a quick look.
+/// Whether a training of every arm has samples and thus a learning curve; E0804 if not. A profile and `--set`
+/// may omit the training for a quick look.
 fn has_samples(
     claim: &Claim,
     Written { stage, key }: Written,
@@ -227,7 +227,7 @@ fn has_samples(
     false
 }
 
-/// Whether a stage of every arm is over sets of parameters, of which the claim's is one.
+/// Whether a stage of every arm uses parameter sets that include the claim's parameter.
 fn varies(claim: &Claim, stage: &str, scope: &Scope, cases: &[Case]) -> bool {
     let parameter = claim.parameter.as_deref().unwrap_or_default();
     arms_in(cases, scope).into_iter().all(|arm| {
@@ -241,8 +241,8 @@ fn varies(claim: &Claim, stage: &str, scope: &Scope, cases: &[Case]) -> bool {
     })
 }
 
-/// What to write where a claim names a parameter that its stage does not vary: one of those that it does, or
-/// another stage.
+/// What to write if a stage does not vary the claim's parameter: a parameter that it varies, or another
+/// stage.
 fn varied_instead(
     claim: &Claim,
     stage: &str,
@@ -279,14 +279,14 @@ fn varied_instead(
     }
 }
 
-/// The ground that one can cross something on.
+/// The terrain with something to cross.
 const OBSTACLE: &str = "box_obstacle";
 
-/// The trainings, as a claim calls them.
+/// The trainings, as named in claims.
 pub(super) const TRAININGS: [&str; 2] = [Learner::SECTION, FineTuning::SECTION];
 
-/// The kind of the ground that a stage runs on: its own, for a transfer that of `evaluate.nominal`, or that
-/// on which its policy was trained.
+/// The kind of terrain of a stage: its own, for a transfer that of `evaluate.nominal`, or else that of the
+/// training.
 fn ground<'a>(fields: &'a Table, stage: &str) -> &'a str {
     let spec = Section::new(fields);
     let table = |section: &str, name: &str| spec.section(section)?.section(name);
@@ -308,7 +308,7 @@ fn has(fields: &Table, stage: &str) -> bool {
     stages(fields).iter().any(|known| known == stage)
 }
 
-/// The stages of a spec that are measured: the trainings, evaluations and transfers.
+/// The measured stages of a spec: trainings, evaluations and transfers.
 pub(in crate::check) fn stages(fields: &Table) -> Vec<String> {
     let spec = Section::new(fields);
     let named = |section: &str, keep: &dyn Fn(Section) -> bool| -> Vec<String> {
@@ -329,7 +329,7 @@ pub(in crate::check) fn stages(fields: &Table) -> Vec<String> {
 
 /// E0201 and E0203: the claim's numbers have the metric's dimension.
 pub fn units(claim: &Claim, statistic: &StatisticKind, metric: &MetricKind, sink: &mut Sink) {
-    // A margin of the probability of improvement is a probability.
+    // A margin on the probability of improvement is a probability.
     let is_ratio = claim.baseline.as_ref().is_some_and(|baseline| baseline.relative);
     let expected = match statistic.method {
         Method::ProbabilityOfImprovement => Dimension::NONE,
@@ -346,7 +346,7 @@ pub fn units(claim: &Claim, statistic: &StatisticKind, metric: &MetricKind, sink
     for (key, quantity) in [number, within, margin, offset].into_iter().flatten() {
         unit(claim, (key, quantity), (metric, expected), sink);
     }
-    // Of the metric itself, whatever the test makes of it.
+    // The dimension of the metric itself, whatever the test computes from it.
     let measured = if is_ratio { Dimension::NONE } else { metric.dimension };
     let spread = claim.spread.as_ref().map(|spread| ("spread", spread));
     let effect = claim.effect.as_ref().map(|effect| ("effect", effect));

@@ -1,7 +1,7 @@
-//! Claims against their suite: arms, metrics, tests, units and seeds (E0204, E0803 to E0807, E0816, E1001,
-//! W0504, W0510, W0511, W1001 to W1004).
+//! Checks claims against their suite: arms, metrics, tests, units and seeds (E0204, E0803 to E0807, E0816,
+//! E1001, W0504, W0510, W0511, W1001 to W1004).
 //!
-//! Knows axes, arms and decoded specs; not what was measured.
+//! Uses axes, arms and decoded specs, but no measurements.
 
 mod arms;
 mod bounds;
@@ -28,7 +28,7 @@ use crate::spec::{Table, claim};
 use crate::syntax::{Layer, Node};
 use sample::Lone;
 
-/// What claims may speak about.
+/// What claims can refer to.
 #[derive(Clone, Debug, Default)]
 pub struct Scope<'a> {
     /// Every axis and its points, in the order of the suite.
@@ -39,7 +39,7 @@ pub struct Scope<'a> {
     pub seeds: Option<Span>,
     /// Whether a failed claim fails the run: `claims = "count"`.
     pub counted: bool,
-    /// Whether a profile or an argument changes the arms, as for a quick look.
+    /// Whether a profile or an argument changes the arms, for example for a quick look.
     pub shortened: bool,
 }
 
@@ -57,13 +57,13 @@ pub struct ArmScope<'a> {
     pub points: &'a Points,
     /// Its decoded spec; stages are looked up in it.
     pub fields: &'a Table,
-    /// Its robot, where it could be read.
+    /// Its robot, if it could be read.
     pub robot: Option<&'a Robot>,
-    /// How many seeds it is run with.
+    /// Its number of seeds.
     pub runs: usize,
 }
 
-/// Decodes the `[[claim]]` tables of a suite and checks them; those without a mistake, in their order.
+/// Decodes and checks the `[[claim]]` tables of a suite; returns the valid claims, in order.
 pub fn claims(nodes: &[Node], scope: &Scope, sink: &mut Sink) -> Vec<Claim> {
     let decoded: Vec<Claim> = nodes.iter().filter_map(|node| claim::decode(node, sink)).collect();
     let mut names: BTreeMap<String, Span> = BTreeMap::new();
@@ -88,8 +88,8 @@ pub fn claims(nodes: &[Node], scope: &Scope, sink: &mut Sink) -> Vec<Claim> {
     sound
 }
 
-/// The mistakes of claims that do not depend on what the arms do: in their keys and names, and, with a scope
-/// whose axes are known, in the arms that they name.
+/// Reports mistakes in claims that do not depend on the arms' specs: in keys and names, and, given a scope
+/// with known axes, in the arms that they name.
 pub fn alone(nodes: &[Node], axes: Option<&Scope>, sink: &mut Sink) {
     let mut names = BTreeMap::new();
     for claim in nodes.iter().filter_map(|node| claim::decode(node, sink)).collect::<Vec<_>>() {
@@ -102,7 +102,7 @@ pub fn alone(nodes: &[Node], axes: Option<&Scope>, sink: &mut Sink) {
     }
 }
 
-/// One claim: names first, then what they are used for, so that one cause gives one error.
+/// Checks one claim: names before their uses, so that one cause gives one error.
 fn check(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Lone> {
     let statistic = sample::statistic(claim, sink);
     let metric = measure::metric(claim, sink);
@@ -136,7 +136,7 @@ fn check(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Lone> {
     lone
 }
 
-/// E0104: two claims of one name.
+/// E0104: two claims with the same name.
 fn repeated(claim: &Claim, names: &mut BTreeMap<String, Span>, sink: &mut Sink) {
     let Some(place) = place(claim, "id") else { return };
     if let Some(first) = names.get(&claim.id) {
@@ -150,7 +150,7 @@ fn repeated(claim: &Claim, names: &mut BTreeMap<String, Span>, sink: &mut Sink) 
     }
 }
 
-/// The place of a key's value; where it is a default or absent, the claim's name.
+/// The place of a key's value; if it is a default or absent, that of the claim's name.
 fn place(claim: &Claim, key: &str) -> Option<Span> {
     let written = claim.marks.nearest(key).filter(|mark| mark.layer != Layer::Default);
     written.or_else(|| claim.marks.get("id")).map(|mark| mark.value)

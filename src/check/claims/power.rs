@@ -1,4 +1,4 @@
-//! W1003: a claim whose test would leave its own effect open.
+//! W1003: claims whose test would probably miss the stated effect.
 
 use super::{Scope, at};
 use crate::check::subject::short;
@@ -7,11 +7,11 @@ use crate::kinds::statistic;
 use crate::spec::claim::{Case, Claim, cases};
 use crate::statistics::assumed::Assumed;
 
-/// With less power than this a claim is more likely left open than established, though its effect is there.
+/// With less power than this, a claim is more likely left open than established even if its effect is real.
 const LEAST: f64 = 0.5;
 
-/// W1003 for every claim that states an effect and a spread with which its test has little power at the level
-/// of Holm's correction for all claims, as `plan --power` shows it.
+/// W1003 for every claim whose stated effect and spread give its test little power at the Holm-corrected
+/// level for all claims, as `plan --power` shows it.
 pub fn is_large_enough(claims: &[Claim], scope: &Scope, sink: &mut Sink) {
     let points = scope.points();
     for claim in claims {

@@ -1,5 +1,5 @@
-//! What the values of a claim's metric can be, and with them what its test is about: a value, a difference
-//! of two, a slope or a probability.
+//! The possible values of a claim's metric, and of the estimate of its test: a value, a difference of two, a
+//! slope or a probability.
 
 use crate::check::subject::short;
 use crate::kinds::metric::MetricKind;
@@ -7,27 +7,27 @@ use crate::kinds::statistic::{Method, StatisticKind};
 use crate::spec::claim::{Claim, Over};
 use crate::statistics::trend;
 
-/// The least and the largest value that something can have, in SI units; infinite where there is none.
+/// The minimum and maximum possible value, in SI units; infinite if unbounded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
-    /// The least.
+    /// The minimum.
     pub low: f64,
-    /// The largest.
+    /// The maximum.
     pub high: f64,
 }
 
 impl Range {
-    /// Whether a number is a possible value. The ends are.
+    /// Whether a number is possible; the ends are included.
     pub fn contains(self, number: f64) -> bool {
         (self.low..=self.high).contains(&number)
     }
 
-    /// How far apart two values can be.
+    /// The largest difference of two values.
     pub fn width(self) -> f64 {
         self.high - self.low
     }
 
-    /// The largest distance of a value from a number inside.
+    /// The largest distance of a value from a number in the range.
     pub fn farthest_from(self, number: f64) -> f64 {
         (self.high - number).max(number - self.low)
     }
@@ -43,7 +43,7 @@ impl Range {
     }
 }
 
-/// What the value of a run can be: the metric, or its difference from a baseline or ratio to it.
+/// The range of a run's value: the metric, or its difference or ratio to a baseline.
 pub fn of_a_run(claim: &Claim, metric: &MetricKind) -> Range {
     let [low, high] = metric.bounds;
     match &claim.baseline {
@@ -54,8 +54,8 @@ pub fn of_a_run(claim: &Claim, metric: &MetricKind) -> Range {
     }
 }
 
-/// What a summary of the arms in the metric's unit can be: that of one arm, the difference of two, or the
-/// slope over so many points.
+/// The range of a summary of the arms in the metric's unit: one arm, the difference of two, or the slope over
+/// this many points.
 pub fn of_the_arms(claim: &Claim, metric: &MetricKind, points: usize) -> Range {
     let run = of_a_run(claim, metric);
     let Range { low, high } = match claim.over {
@@ -74,7 +74,7 @@ pub fn of_the_arms(claim: &Claim, metric: &MetricKind, points: usize) -> Range {
     }
 }
 
-/// What the estimate of the test can be.
+/// The range of the test's estimate.
 pub fn of_the_estimate(claim: &Claim, test: &StatisticKind, metric: &MetricKind, points: usize) -> Range {
     match test.method {
         Method::ProbabilityOfImprovement => Range { low: 0.0, high: 1.0 },
@@ -82,7 +82,7 @@ pub fn of_the_estimate(claim: &Claim, test: &StatisticKind, metric: &MetricKind,
     }
 }
 
-/// A number of the claim in the unit in which its author writes it.
+/// A number in the unit that the claim uses.
 pub fn in_unit(number: f64, claim: &Claim, metric: &MetricKind) -> String {
     match metric.unit {
         unit if unit.is_empty() || is_ratio(claim) => short(number),
@@ -91,7 +91,7 @@ pub fn in_unit(number: f64, claim: &Claim, metric: &MetricKind) -> String {
     }
 }
 
-/// Whether the values of runs are ratios to a baseline.
+/// Whether the runs' values are ratios to a baseline.
 pub fn is_ratio(claim: &Claim) -> bool {
     claim.baseline.as_ref().is_some_and(|baseline| baseline.relative)
 }

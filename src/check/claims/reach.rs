@@ -1,7 +1,7 @@
-//! W0511 and W1001: there is a result that could establish the claim, and one that could refute it.
+//! W0511 and W1001: some result could establish the claim, and some could refute it.
 //!
-//! With few episodes even the best outcome has an interval across the boundary, and the mean of shares lies
-//! beyond neither end. The best outcomes are made up here and put to the claim's own test.
+//! With few episodes even the best outcome's interval may cross the boundary, and means of shares cannot
+//! exceed 0 or 1. The best outcomes are constructed here and passed to the claim's own test.
 
 use super::range::{self, Range, in_unit};
 use super::{ArmScope, Scope, at};
@@ -16,13 +16,14 @@ use crate::statistics::mean::FEWEST;
 use crate::statistics::region::Region;
 use crate::statistics::test::{Sample, Test};
 
-/// The most episodes that the help looks at; no evaluation can have more.
+/// Maximum number of episodes considered in the help; no evaluation can have more.
 const MOST: usize = 100_000;
 
-/// The most seeds that the help looks at.
+/// Maximum number of seeds considered in the help.
 const MOST_SEEDS: usize = 200;
 
-/// W0511 when no result can establish the claim, or none whose runs are all alike; W1001 when none can refute it.
+/// W0511 if no result, or no result with identical runs, can establish the claim; W1001 if none can refute
+/// it.
 pub fn can_be_decided(
     claim: &Claim,
     metric: &MetricKind,
@@ -40,13 +41,13 @@ pub fn can_be_decided(
     if let Some(best) = reach.unsettled(!is_negated, Best::settles) {
         sink.emit(best.refutation());
     } else if sink.diagnostics.iter().any(|found| found.code == "W1004") {
-        // A distance of nothing is the cause.
+        // The cause is a distance of zero.
     } else if let Some(best) = reach.unsettled(is_negated, Best::settles_alike) {
         sink.emit(best.of_alike_runs());
     }
 }
 
-/// What the comparisons of a claim can come to.
+/// The possible results of a claim's comparisons.
 struct Reach<'a> {
     claim: &'a Claim,
     metric: &'a MetricKind,
@@ -56,8 +57,7 @@ struct Reach<'a> {
 }
 
 impl<'a> Reach<'a> {
-    /// The first comparison that stands in the way of the expectation, or of the opposite when `opposed`: its
-    /// results do not settle it.
+    /// The first comparison whose results cannot settle the expectation, or its opposite if `opposed`.
     fn unsettled(&self, opposed: bool, settles: fn(&Best<'a>) -> bool) -> Option<Best<'a>> {
         let points = self.scope.points();
         let alternatives = alternatives(self.claim, &points, self.cases);
@@ -72,7 +72,7 @@ impl<'a> Reach<'a> {
             let share = if opposed { divisor * alternative.cases.len() } else { divisor };
             let mut all = alternative.cases.iter().map(|place| self.best(*place, share, opposed));
             match opposed {
-                // One comparison that is refuted refutes the alternative.
+                // Refuting one comparison refutes the alternative.
                 true if all.clone().any(|best| settles(&best)) => None,
                 true => all.next(),
                 false => all.find(|best| !settles(best)),
@@ -83,12 +83,12 @@ impl<'a> Reach<'a> {
         if settled >= needed { None } else { open.into_iter().flatten().next() }
     }
 
-    /// The best that can come out of a comparison at a share of alpha.
+    /// The best possible result of a comparison at a share of alpha.
     fn best(&self, place: usize, share: usize, opposed: bool) -> Best<'a> {
         let case = &self.cases[place];
         let arms: Vec<&ArmScope> =
             [Some(case.a), case.b].into_iter().flatten().map(|arm| &self.scope.arms[arm]).collect();
-        // Of a test over episodes every seed is a comparison of its own.
+        // In a test over episodes every seed is a separate comparison.
         let seeds = arms.iter().map(|arm| arm.runs).max().unwrap_or(1).max(1);
         let divisor = if opposed && self.statistic.unit() == Unit::Episode { share * seeds } else { share };
         let episodes =
@@ -101,17 +101,17 @@ impl<'a> Reach<'a> {
     }
 }
 
-/// The best that can come out of a comparison.
+/// The best possible result of a comparison.
 #[derive(Clone)]
 struct Best<'a> {
     claim: &'a Claim,
     metric: &'a MetricKind,
     statistic: &'a StatisticKind,
-    /// Whether the claim needs the opposite of what it expects.
+    /// Whether the claim needs the opposite of its expectation.
     negated: bool,
-    /// The level at which the comparison is judged.
+    /// The significance level of the comparison.
     level: f64,
-    /// Episodes of a run.
+    /// Episodes per run.
     episodes: Option<usize>,
     /// Runs of each arm.
     runs: Vec<usize>,
@@ -132,21 +132,20 @@ impl Best<'_> {
         }
     }
 
-    /// Episodes that are fewer than a bootstrap over them has a p value for.
+    /// The number of episodes, if it is too small for a p value from a bootstrap over episodes.
     fn too_few_to_resample(&self) -> Option<usize> {
         let is_resampled = self.statistic.method == Method::EpisodeBootstrap;
         self.episodes.filter(|episodes| is_resampled && *episodes < FEWEST)
     }
 
-    /// Whether the comparison is settled by runs that are all alike, which have no spread: by one of the
-    /// clearest outcomes, in which all or none of an arm's episodes succeed, where that lies on the wanted
-    /// side.
+    /// Whether identical runs, which have no spread, settle the comparison: in one of the clearest outcomes,
+    /// with all or no episodes of an arm successful, on the wanted side.
     fn settles_alike(&self) -> bool {
         self.p_of_alike_runs().is_none_or(|p| p <= self.level)
     }
 
-    /// The smallest p value of those outcomes; `None` where none of them lies on the wanted side, and of tests
-    /// that do not tell them by themselves.
+    /// The smallest p value of those outcomes; `None` if none is on the wanted side, or if the test is not
+    /// affected by a lack of spread.
     fn p_of_alike_runs(&self) -> Option<f64> {
         let is_mean = matches!(self.statistic.method, Method::Welch | Method::StratifiedBootstrap);
         let is_joint = self.claim.over.as_ref().is_some_and(Over::is_joint);
@@ -169,7 +168,7 @@ impl Best<'_> {
         outcomes.iter().filter_map(p).min_by(f64::total_cmp)
     }
 
-    /// Whether the test counts successes, so that its interval depends on their number alone.
+    /// Whether the test counts successes, so that its interval depends only on their number.
     fn counts(&self) -> bool {
         matches!(self.statistic.method, Method::Wilson | Method::Mcnemar | Method::Newcombe)
             && !self.is_trend()
@@ -191,13 +190,13 @@ impl Best<'_> {
         range::of_the_estimate(self.claim, self.statistic, self.metric, self.points)
     }
 
-    /// What the estimate can come to at its best.
+    /// The extreme possible values of the estimate.
     fn ends(&self) -> Vec<f64> {
         let Range { low, high } = self.range();
         vec![low, high, self.region().boundary().clamp(low, high)]
     }
 
-    /// The outcomes of so many episodes that speak most clearly.
+    /// The clearest outcomes with this many episodes.
     fn outcomes(&self, episodes: usize) -> Vec<Sample> {
         let sample = |counts: &[usize]| {
             let side = |count: &usize| (0..episodes).map(|at| f64::from(u8::from(at < *count))).collect();
@@ -209,7 +208,7 @@ impl Best<'_> {
                 .map(|counts| sample(&counts))
                 .into();
         }
-        // Of a range the smallest count whose interval begins inside it.
+        // For a range: the smallest count whose interval begins inside it.
         let begins_below = |count: &usize| {
             let interval = self.interval(&sample(&[*count]));
             let low = self.region().bounds().0;
@@ -232,7 +231,7 @@ impl Best<'_> {
         self.test().interval(sample, 1.0 - self.level)
     }
 
-    /// The p value for what is wanted.
+    /// The p value of the wanted result.
     fn p(&self, sample: &Sample) -> Option<f64> {
         let (test, region) = (self.test(), self.region());
         let value = test.measure(sample).value?;
@@ -240,7 +239,7 @@ impl Best<'_> {
         if self.negated { region.p_against(value, p) } else { region.p_for(value, p) }
     }
 
-    /// Whether so many episodes could settle it.
+    /// Whether this many episodes could settle it.
     fn settled_by(&self, episodes: usize) -> bool {
         self.outcomes(episodes).iter().any(|sample| {
             self.interval(sample).is_some_and(|interval| self.is_where_wanted(interval))
@@ -248,7 +247,7 @@ impl Best<'_> {
         })
     }
 
-    /// The fewest episodes that could, looked for from these upwards.
+    /// The minimum number of episodes that could settle it, searched upwards from here.
     fn enough(&self, episodes: usize) -> Option<usize> {
         let (mut too_few, mut enough) = (episodes, episodes.max(1) * 2);
         while !self.settled_by(enough.min(MOST)) {
@@ -266,14 +265,14 @@ impl Best<'_> {
         Some(enough)
     }
 
-    /// What the clearest outcome of so many episodes comes to.
+    /// The interval of the clearest outcome with this many episodes.
     fn at_best(&self, episodes: usize) -> String {
         let percent = |share: f64| short(100.0 * share);
         let outcomes = self.outcomes(episodes);
         let found = outcomes.iter().filter_map(|sample| Some((sample, self.interval(sample)?)));
         let (centre, relation) = (self.region().boundary(), self.claim.expect.relation);
         let wants_more = matches!(relation, Relation::Greater | Relation::AtLeast) != self.negated;
-        // How far the interval reaches across the boundary.
+        // How far the interval extends across the boundary.
         let order = |interval: &Interval| match (relation, wants_more) {
             (Relation::Equal, _) => (centre - interval.low).max(interval.high - centre),
             (_, true) => -interval.low,
@@ -290,8 +289,8 @@ impl Best<'_> {
         }
     }
 
-    /// The end of the range that a number in `expect` must be away from so that something lies beyond it:
-    /// `below 100 %`. `None` of claims about no number.
+    /// The end of the range from which a number in `expect` must differ, so that values beyond it exist:
+    /// `below 100 %`. `None` for claims without a number.
     fn room(&self) -> Option<String> {
         let Operand::Number(_) = self.claim.expect.right else { return None };
         let range = self.range();
@@ -305,7 +304,7 @@ impl Best<'_> {
         Some(format!("{word} {}", in_unit(end, self.claim, self.metric)))
     }
 
-    /// W1001: the data cannot contradict the claim.
+    /// W1001: no data can contradict the claim.
     fn refutation(&self) -> Diagnostic {
         let id = &self.claim.id;
         let message = format!("no result can refute `{id}`: it can pass, but not fail");
@@ -364,7 +363,7 @@ impl Best<'_> {
         }
     }
 
-    /// W0511: runs without any spread leave the claim open, however clear they are.
+    /// W0511: identical runs leave the claim open, however clear they are.
     fn of_alike_runs(&self) -> Diagnostic {
         let (id, stage) = (&self.claim.id, &self.claim.metric.stage);
         let message = format!("runs that are all alike cannot establish `{id}`");

@@ -1,7 +1,7 @@
-//! W1004: numbers of a claim that are smaller than anything that is measured.
+//! W1004: numbers of a claim below the resolution of the measurement.
 //!
-//! A share of episodes changes by one episode at the least. Other values are reported with a few decimals; what
-//! is a hundredth of the last one is nothing.
+//! A share of episodes changes in steps of one episode. Other values are reported with a few decimals; a
+//! hundredth of the last decimal is negligible.
 
 use super::range::{in_unit, is_ratio};
 use super::{Scope, arms_in, at};
@@ -12,19 +12,18 @@ use crate::kinds::statistic::{Method, StatisticKind, Unit};
 use crate::spec::Quantity;
 use crate::spec::claim::{Case, Claim, Over, Relation};
 
-/// Decimals with which ratios are reported.
+/// Decimals of reported ratios.
 const DIGITS_OF_A_RATIO: i32 = 2;
 
-/// The smallest number that means anything.
+/// The smallest meaningful number.
 struct Smallest {
-    /// In the unit of the metric, SI.
+    /// In the metric's SI unit.
     number: f64,
-    /// Of what it is the smallest: `one of the 160 episodes of an arm`.
+    /// What it corresponds to: `one of the 160 episodes of an arm`.
     told: String,
 }
 
-/// W1004 for distances between arms that decide what none at all decides, and for a spread that runs cannot
-/// have.
+/// W1004 for distances between arms so small that they act like zero, and for a spread that runs cannot have.
 pub fn numbers_can_be_told_from_nothing(
     claim: &Claim,
     test: &StatisticKind,
@@ -79,18 +78,18 @@ pub fn numbers_can_be_told_from_nothing(
 
 fn is_smaller(quantity: &Quantity, smallest: &Smallest) -> bool {
     let size = quantity.si.abs();
-    // It may have been rounded.
+    // The number may have been rounded.
     0.0 < size && size < 0.99 * smallest.number
 }
 
-/// The number in the unit of the metric, rounded up to three digits so that it is accepted itself.
+/// The number in the metric's unit, rounded up to three digits so that it is itself accepted.
 fn at_least(number: f64, claim: &Claim, metric: &MetricKind) -> String {
     let percent = if metric.unit == "%" && !is_ratio(claim) { 100.0 } else { 1.0 };
     let scale = libm::pow(10.0, libm::floor(libm::log10(number * percent)) - 2.0);
     in_unit(libm::ceil(number * percent / scale) * scale / percent, claim, metric)
 }
 
-/// The distance of the claim that is smaller than the smallest, with what the claim then decides.
+/// The claim's distance below the smallest number, with what the claim then decides.
 fn distance(claim: &Claim, metric: &MetricKind, smallest: &Smallest, sink: &mut Sink) {
     let keys = [
         ("expect.offset", &claim.expect.offset),

@@ -1,7 +1,7 @@
-//! W0510 and E0204: the rewards that a claim compares measure the same, and are returns that there are.
+//! W0510 and E0204: the returns that a claim compares are comparable, and possible.
 //!
-//! A return is the sum of an arm's own rewards over its own control steps. Between arms that are rewarded
-//! differently, or at another rate, more return is not more of anything.
+//! A return is the sum of an arm's own rewards over its own control steps. Between arms with different
+//! rewards or control rates, a higher return does not mean better.
 
 use std::collections::BTreeMap;
 
@@ -24,7 +24,7 @@ use crate::spec::{Section, Table};
 /// The key of the control rate.
 const RATE: &str = "action.rate";
 
-/// W0510, for the first of the claim's pairs of arms that differ.
+/// W0510, for the claim's first pair of arms that differ.
 pub fn measure_the_same(claim: &Claim, metric: &MetricKind, scope: &Scope, cases: &[Case], sink: &mut Sink) {
     if metric.sums == Sums::Nothing {
         return;
@@ -54,8 +54,8 @@ pub fn measure_the_same(claim: &Claim, metric: &MetricKind, scope: &Scope, cases
     sink.emit(warning.help(help));
 }
 
-/// E0204: returns that a claim waits for, or compares with, are ones that an episode can have. Every reward
-/// term pays its weight times a number from 0 to 1 in each control step.
+/// E0204: return thresholds and compared returns are possible in an episode. Every reward term pays its
+/// weight times a number from 0 to 1 in each control step.
 pub fn are_possible(claim: &Claim, metric: &MetricKind, scope: &Scope, cases: &[Case], sink: &mut Sink) {
     let is_curve = matches!(metric.source, Source::Learning(_)) && metric.sums != Sums::Nothing;
     if !is_curve || scope.shortened {
@@ -105,14 +105,14 @@ pub fn are_possible(claim: &Claim, metric: &MetricKind, scope: &Scope, cases: &[
     }
 }
 
-/// The returns that all arms can have.
+/// The returns possible in all arms.
 fn common(ranges: &[(String, Range)]) -> (f64, f64) {
     let ends = ranges.iter().map(|(_, range)| range);
     let least = ends.clone().map(|range| range.low).fold(f64::NEG_INFINITY, f64::max);
     (least, ends.map(|range| range.high).fold(f64::INFINITY, f64::min))
 }
 
-/// The returns that an episode of a training can have: `None` where its length or its reward is not known.
+/// The possible returns of an episode of a training: `None` if its length or its reward is unknown.
 fn returns(spec: Section, stage: &str) -> Option<Range> {
     let steps = (spec.at(Walk::episode)? * spec.at(Position::rate)?).ceil();
     let tuned = match stage == FineTuning::SECTION {
@@ -129,7 +129,7 @@ fn returns(spec: Section, stage: &str) -> Option<Range> {
     (range.low.is_finite() && range.high.is_finite()).then_some(range)
 }
 
-/// The reward terms and the control rate in which two arms differ. A term of weight zero pays nothing.
+/// The reward terms and the control rate in which two arms differ. Terms with zero weight do not count.
 fn differences(arms: [&Table; 2], with_rate: bool) -> Vec<String> {
     let [a, b] = arms.map(Section::new);
     let (ours, theirs) = (paid(a), paid(b));
@@ -145,7 +145,7 @@ fn differences(arms: [&Table; 2], with_rate: bool) -> Vec<String> {
     keys
 }
 
-/// The reward terms that pay anything, each as what it means.
+/// The reward terms with nonzero weight, each in canonical form.
 fn paid(spec: Section) -> Vec<(String, serde_json::Value)> {
     let terms =
         spec.within::<Rewards>().into_iter().flat_map(|rewards| rewards.sections().collect::<Vec<_>>());

@@ -10,7 +10,7 @@ use crate::kinds::statistic::{self, Method, StatisticKind, Unit};
 use crate::spec::claim::{Case, Claim, Over, Relation, Summary, alternatives};
 use crate::spec::suggest::{listed, nearest};
 
-/// The test that is named; E0301 when there is none of the name.
+/// The test of a claim; E0301 if it is unknown.
 pub fn statistic(claim: &Claim, sink: &mut Sink) -> Option<&'static StatisticKind> {
     let found = statistic::find(&claim.test);
     if found.is_none() {
@@ -28,7 +28,7 @@ pub fn statistic(claim: &Claim, sink: &mut Sink) -> Option<&'static StatisticKin
     found
 }
 
-/// E0807: the test takes this many arms, this sort of metric, this summary.
+/// E0807: the test accepts this number of arms, this type of metric and this summary.
 pub fn suits(claim: &Claim, test: &StatisticKind, metric: &MetricKind, sink: &mut Sink) {
     let (word, measured) = (test.kind.name, metric.kind.name);
     let others = |fits: &dyn Fn(&StatisticKind) -> bool| {
@@ -38,7 +38,7 @@ pub fn suits(claim: &Claim, test: &StatisticKind, metric: &MetricKind, sink: &mu
         statistic::KINDS.iter().filter(takes).map(|other| other.kind.name).collect::<Vec<_>>()
     };
     let advice = |lead: &str| match others(&|_| true).as_slice() {
-        // Ranks alone have a meaning, and one arm has no rank.
+        // Only ranks are meaningful, and a single arm has no rank.
         [] => format!(
             "no test compares `{measured}` of one arm with a number: write `compare` with two arms for \
              `arm`, \
@@ -89,18 +89,18 @@ pub fn suits(claim: &Claim, test: &StatisticKind, metric: &MetricKind, sink: &mu
     sink.emit(at(claim, key, Diagnostic::error("E0807", message), "").help(help));
 }
 
-/// Whether an arm is multiplied or added to.
+/// Whether an arm has a factor or an offset.
 fn is_changed(claim: &Claim) -> bool {
     claim.expect.factor != 1.0 || claim.expect.offset.as_ref().is_some_and(|offset| offset.si != 0.0)
 }
 
-/// Whether a test takes the mean over several arms.
+/// Whether a test supports the mean over several arms.
 fn takes_strata(method: Method) -> bool {
     matches!(method, Method::Welch | Method::StratifiedBootstrap | Method::ProbabilityOfImprovement)
 }
 
-/// W1002: what the paper says of two arms is claimed with the effect that it says, so that data without it
-/// contradict the claim.
+/// W1002: a claim about two arms of a paper states the paper's effect size, so that data without the effect
+/// contradict it.
 pub fn states_an_effect(claim: &Claim, test: &StatisticKind, metric: &MetricKind, sink: &mut Sink) {
     let states = claim.margin.is_some() || is_changed(claim) || claim.expect.relation == Relation::Equal;
     if claim.paper.is_none() || claim.sides.len() < 2 || states {
@@ -108,7 +108,7 @@ pub fn states_an_effect(claim: &Claim, test: &StatisticKind, metric: &MetricKind
     }
     let message = format!("`{}` states no effect: arms that do not differ cannot refute it", claim.id);
     let warning = at(claim, "expect", Diagnostic::warning("W1002", message), "by how much?");
-    // What is claimed to be less is so by that much.
+    // For "less", the effect is subtracted.
     let is_less = matches!(claim.expect.relation, Relation::Less | Relation::AtMost);
     let written = claim.expect.written();
     let sign = if is_less { '-' } else { '+' };
@@ -120,7 +120,7 @@ pub fn states_an_effect(claim: &Claim, test: &StatisticKind, metric: &MetricKind
             "for example `margin = 0.2`: the probability must then be 0.2 beyond one half".to_owned()
         }
         _ if is_ratio(claim) => margin("0.2", "0.2"),
-        // Nothing is known of how large a return or a count is.
+        // Returns and counts have no known scale.
         "" => {
             let (left, relation) = (&claim.expect.left, claim.expect.relation.symbol());
             let other = claim.expect.right_written(str::to_owned);
@@ -133,12 +133,12 @@ pub fn states_an_effect(claim: &Claim, test: &StatisticKind, metric: &MetricKind
     sink.emit(warning.help(format!("state the smallest effect that the claim is about, {example}")));
 }
 
-/// What one run per arm leaves of a claim.
+/// What a claim can decide with one run per arm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Lone {
     /// A test over runs cannot decide it.
     Undecided,
-    /// A test over episodes speaks of policies.
+    /// A test over episodes only compares individual policies.
     Policies,
 }
 
@@ -193,7 +193,7 @@ pub fn runs(
     None
 }
 
-/// The levels at which a comparison must be decided for the claim to pass, and to fail.
+/// The levels at which a comparison must be decided for the claim to pass and to fail.
 pub fn levels(claim: &Claim, scope: &Scope, cases: &[Case]) -> [f64; 2] {
     let points = scope.points();
     let alternatives = alternatives(claim, &points, cases);
@@ -211,7 +211,7 @@ pub fn levels(claim: &Claim, scope: &Scope, cases: &[Case]) -> [f64; 2] {
     }
 }
 
-/// W0504: claims whose arms have one run each, told once, where the seeds are given.
+/// W0504: claims whose arms have one run each, reported once, at the seeds.
 pub fn one_seed(lone: Lone, claims: &[String], place: Option<Span>) -> Diagnostic {
     let names = listed(claims.iter().map(String::as_str));
     let (message, help) = match lone {

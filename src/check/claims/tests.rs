@@ -31,12 +31,12 @@ fn spec() -> Table {
     ])
 }
 
-/// What is wrong with the claims of a text in a suite with so many seeds: code, marked text and first help.
+/// The mistakes in claims of a suite with this many seeds: code, marked text and first help.
 fn found(text: &str, runs: usize) -> Vec<(&'static str, String, String)> {
     found_in(text, runs, &spec())
 }
 
-/// The same in a suite whose arms have these fields.
+/// The same for a suite whose arms have these fields.
 fn found_in(text: &str, runs: usize, fields: &Table) -> Vec<(&'static str, String, String)> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let source = sources.add("suite.toml", text);
@@ -191,7 +191,7 @@ fn samples_to_a_threshold_are_compared_between_two_arms_within_a_training() {
         let found = found(&text);
         assert_eq!(found, [("E0204", marked.to_owned(), "write 1000000 or less".to_owned())]);
     }
-    // The help, followed: first of the default test, then of one for ranks.
+    // Follows the help: first that of the default test, then that of a rank test.
     let patterns = "compare = { a = \"control=torque\", b = \"control=position,stiffness=100 %\" }";
     let one = two.replace(patterns, "arm = \"control=torque\"").replace("a < b", "a < 500000");
     for test in ["welch", "mann_whitney"] {
@@ -214,7 +214,7 @@ fn too_few_seeds_are_e0805_and_one_seed_is_w0504_unless_claims_count() {
     is(one(&CLAIM.replace("welch", "mann_whitney"), 3), ["E0805", "\"mann_whitney\"", "seeds = 4"]);
     is(one(&CLAIM.replace("welch", "mcnemar"), 1), ["W0504", "[[claim]]", "more seeds"]);
     assert!(found(&CLAIM.replace("welch", "mcnemar"), 2).is_empty());
-    // Below 0.002 three runs have no p value.
+    // Three runs cannot have a p value below 0.002.
     let strict = CLAIM.replace("survival", "speed") + "alpha = 0.001\n";
     is(one(&strict, 3), ["E0805", "\"welch\"", "seeds = 5"]);
     assert!(found(&strict, 5).is_empty());
@@ -227,8 +227,7 @@ fn a_claim_that_can_only_pass_is_w1001() {
         one(&format!("{}margin = \"5 %\"\n", share("a >= 0 %")), 3),
         ["W1001", "\"a >= 0 %\"", "smallest effect"],
     );
-    // Of 8 episodes none that fails leaves the interval [67.6, 100] %, so that `a > 60 %` can pass; 0 of 8
-    // end at 32.4 %.
+    // 8 of 8 episodes have the interval [67.6, 100] %, so that `a > 60 %` can pass; 0 of 8 end at 32.4 %.
     let few = |expect: &str, episodes: u64| {
         let (mut fields, nominal) = (spec(), Table::from([("episodes".to_owned(), Value::Count(episodes))]));
         fields.insert(
@@ -348,7 +347,7 @@ fn what_no_result_of_the_episodes_can_establish_is_w0511() {
     is(one(&share("a > 90 %"), 3), ["W0511", "\"a > 90 %\"", "35 episodes or more"]);
     is(one(&share("a < 10 %"), 3), ["W0511", "\"a < 10 %\"", "35 episodes or more"]);
     is(one(&share("a > 100 %"), 3), ["W0511", "\"a > 100 %\"", "no number of episodes"]);
-    // Of a range the width decides: 16 of 32 are [33.6, 66.4] %.
+    // For a range its width matters: 16 of 32 are [33.6, 66.4] %.
     assert!(found(&share("a == 50 % within 17 %"), 3).is_empty());
     let (code, _, help) = one(&share("a == 50 % within 16 %"), 3);
     assert_eq!((code, help.contains("34 episodes")), ("W0511", true), "{help}");
@@ -361,8 +360,7 @@ fn a_level_that_is_divided_needs_more_episodes() {
     // At alpha / 2 the interval of 32 of 32 begins at 86.4 %.
     let (code, _, help) = one(&format!("{some}over = {{ some = \"stiffness\" }}\n"), 3);
     assert_eq!((code, help.contains("41 episodes")), ("W0511", true), "{help}");
-    // That none does is established by one comparison of the three seeds' at alpha / 3, and refuted at alpha
-    // / 2.
+    // `none` is established by one comparison of the three seeds at alpha / 3, and refuted at alpha / 2.
     let none = format!("{some}over = {{ none = \"stiffness\" }}\n");
     let (code, _, help) = one(&none, 3);
     assert_eq!((code, help.contains("41 episodes")), ("W1001", true), "{help}");
@@ -377,7 +375,7 @@ fn a_mean_of_shares_lies_between_its_ends() {
     is(one(&mean("a >= 100 %"), 5), ["W0511", "\"a >= 100 %\"", "margin"]);
     assert!(found(&format!("{}margin = \"3 %\"\n", mean("a >= 100 %")), 5).is_empty());
     is(one(&mean("a < 0 %").replace("survival", "single_support"), 5), ["W0511", "\"a < 0 %\"", "weaken"]);
-    // Speeds have no ends.
+    // Speeds are unbounded.
     assert!(found(&mean("a < 0 m/s").replace("survival", "speed"), 5).is_empty());
     let apart = |margin: &str| format!("{CLAIM}margin = \"{margin}\"\n");
     assert!(found(&apart("99 %"), 5).is_empty());
@@ -394,7 +392,7 @@ fn paired_episodes_must_be_able_to_differ_enough() {
         );
         found_in(&CLAIM.replace("welch", "mcnemar"), 3, &fields)
     };
-    // The exact p of n of n pairs is 2^(1 - n).
+    // The exact p value of n of n pairs is 2^(1 - n).
     assert!(few(7).is_empty());
     // One of three seeds refutes at alpha / 3.
     is(few(6).remove(0), ["W1001", "\"a > b\"", "7 episodes or more"]);
@@ -411,7 +409,7 @@ fn the_example_of_an_effect_is_in_the_metrics_unit() {
         help.contains("`margin = \"0.2 m/s\"`") && help.contains("`expect = \"a < b - 0.2 m/s\"`"),
         "{help}"
     );
-    // What it says is accepted.
+    // The suggested text is accepted.
     assert!(found(&speed.replace("a < b", "a < b - 0.2 m/s"), 5).is_empty());
     let ratio = format!("{speed}baseline = \"deploy.mujoco\"\nrelative = true\n");
     is(one(&ratio, 5), ["W1002", "\"a < b\"", "`margin = 0.2`"]);
@@ -428,7 +426,7 @@ fn an_effect_that_does_not_meet_its_claim_is_e0204() {
     for (expect, effect) in [("a > b + 20 %", "30 %"), ("a < b", "-10 %"), ("a == b within 5 %", "0 %")] {
         assert!(found(&with(expect, effect), 5).is_empty(), "{expect}");
     }
-    // That no setting learns is expected of settings that do not.
+    // "No setting learns" needs an effect that the expectation excludes.
     let none = |effect: &str| {
         share("a > 90 %").replace("wilson", "welch").replace("control=torque", "control=position")
             + &format!("over = {{ none = \"stiffness\" }}\neffect = \"{effect}\"\n")
@@ -446,14 +444,14 @@ fn claims_that_holms_correction_leaves_open_are_w0511() {
             })
             .collect()
     };
-    // Below 5 runs no p is under 0.002: 25 claims leave 0.05.
+    // With under 5 runs no p is below 0.002, which is 0.05 / 25 claims.
     assert!(found(&many(25), 3).is_empty());
     let found_in_26 = found(&many(26), 3);
     assert_eq!(found_in_26.len(), 1, "told once: {found_in_26:?}");
     is(found_in_26.into_iter().next().unwrap_or_default(), ["W0511", "\"welch\"", "`seeds = 5`"]);
     assert!(found(&many(26), 5).is_empty());
-    // Five against five have p = 0.008 at best, so six claims may be established and seven not, unless others
-    // come first.
+    // Five against five have p >= 0.008, so six claims can be established but not seven, unless others come
+    // first.
     let ranked = |claims: usize| many(claims).replace("welch", "mann_whitney");
     assert!(found(&ranked(6), 5).is_empty());
     is(found(&ranked(7), 5).remove(0), ["W0511", "\"mann_whitney\"", "`seeds = 6`"]);
@@ -473,12 +471,12 @@ fn differences_from_a_baseline_and_slopes_have_ends() {
         share(expect).replace("wilson", "welch").replace("control=torque", "control=position")
             + "over = { trend = \"stiffness\" }\n"
     };
-    // Of three points the steepest slope is from 0 to 100 % over two steps.
+    // With three points the steepest slope is 0 to 100 % over two steps.
     assert!(found(&trend("a > 49 %"), 3).is_empty());
     is(one(&trend("a > 50 %"), 3), ["W0511", "\"a > 50 %\"", "weaken"]);
 }
 
-/// The arms' spec with so many episodes in `evaluate.nominal`.
+/// The arms' spec with this many episodes in `evaluate.nominal`.
 fn with_episodes(episodes: u64) -> Table {
     let (mut fields, nominal) = (spec(), Table::from([("episodes".to_owned(), Value::Count(episodes))]));
     fields.insert(
@@ -532,7 +530,7 @@ fn distances_that_no_two_values_have_are_e0204() {
     let ahead = CLAIM.replace("welch", "probability_of_improvement");
     is(one(&format!("{ahead}margin = 0.6\n"), 10), ["E0204", "0.6", "write 0.5 or less"]);
     is(one(&format!("{ahead}margin = 0.5\n"), 10), ["W0511", "\"a > b\"", "smaller"]);
-    // What has no upper end.
+    // Unbounded above.
     let force = CLAIM.replace("survival", "peak_foot_force");
     assert!(found(&force.replace("a > b", "a > b + 5000 N"), 3).is_empty());
     let one_arm = share("a > 100 N").replace("wilson", "welch").replace("survival", "peak_foot_force");
@@ -557,7 +555,7 @@ fn returns_that_no_episode_has_are_e0204() {
         .replace("a > b", "a < b")
         .replace("welch", "mann_whitney");
     let waits = |threshold: &str| found_in(&format!("{sooner}threshold = {threshold}\n"), 5, &fields);
-    // 1000 steps of 0.75 at most.
+    // 1000 steps of at most 0.75.
     assert_eq!(waits("749"), []);
     for threshold in ["750.5", "1e12", "0", "-5"] {
         let told = waits(threshold);
@@ -598,7 +596,7 @@ fn numbers_below_one_episode_are_w1004() {
     assert_eq!(expecting("a > b - 0.625 %"), []);
     let margin = told(&format!("{CLAIM}margin = \"0.01 %\"\n"));
     assert!(margin[0].0 == "W1004" && margin[0].2.contains("remove `margin`"), "{margin:?}");
-    // One run of five with one success of 32 more: 1 / 32 / sqrt(5) = 1.398 %.
+    // One run of five with one more success of 32: 1 / 32 / sqrt(5) = 1.398 %.
     let spread = |spread: &str| told(&format!("{CLAIM}effect = \"30 %\"\nspread = \"{spread}\"\n"));
     assert_eq!(spread("1.4 %"), []);
     let small = spread("1 %");
@@ -617,9 +615,9 @@ fn a_claim_that_its_own_effect_leaves_open_is_w1003_with_the_seeds_that_it_takes
     let with = |effect: &str| format!("{CLAIM}effect = \"{effect}\"\nspread = \"10 %\"\n");
     let (code, marked, help) = one(&with("1.5 %"), 5);
     assert_eq!((code, marked.as_str()), ("W1003", "\"1.5 %\""));
-    // Cohen 1988: an effect of 0.15 deviations takes 699 or 700 runs per arm.
+    // Cohen 1988: an effect of 0.15 standard deviations takes 699 or 700 runs per arm.
     assert!(help.contains("seeds = 699") || help.contains("seeds = 700"), "{help}");
-    // Two standard deviations with five runs: 79 %.
+    // Two standard deviations with five runs: power 79 %.
     assert!(found(&with("20 %"), 5).is_empty());
     assert!(found(&with("1.5 %"), 700).is_empty());
     // Every comparison must pass.
@@ -639,17 +637,17 @@ fn runs_that_are_all_alike_and_cannot_establish_a_claim_are_w0511() {
     assert_eq!((told.len(), told[0].0), (1, "W0511"), "{told:?}");
     assert!(told[0].2.starts_with("write `seeds = 4` or more in `[sweep]`"), "{told:?}");
     assert_eq!(of(CLAIM, 4, 128), []);
-    // 100 % against 100 % within 5 %: the pooled episodes decide, of which 73 are enough (19 z^2 = 73.0).
+    // 100 % against 100 % within 5 %: the pooled episodes decide, and 73 are enough (19 z^2 = 73.0).
     let level = CLAIM.replace("a > b", "a == b within 5 %");
     let told = of(&level, 3, 24);
     assert_eq!((told.len(), told[0].0), (1, "W0511"), "{told:?}");
     assert!(told[0].2.contains("`seeds = 4`") && told[0].2.contains("25 episodes"), "{told:?}");
     assert_eq!(of(&level, 3, 25), []);
-    // Of one arm the pooled episodes, too: all of 3 times 21 leave 95 % open at z = 1.82.
+    // Likewise for one arm: all of 3 times 21 pooled episodes leave 95 % open at z = 1.82.
     let nearly_all = share("a > 95 %").replace("wilson", "welch");
     assert_eq!(of(&nearly_all, 3, 21)[0].0, "W0511");
     assert_eq!(of(&nearly_all, 3, 32), []);
-    // Speeds are never all alike.
+    // Speeds of runs are never identical.
     assert_eq!(of(&CLAIM.replace("survival", "speed"), 3, 128), []);
 }
 

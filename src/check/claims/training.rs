@@ -1,4 +1,4 @@
-//! The samples of a training that a claim looks at.
+//! The samples of a training that a claim covers.
 
 use super::ArmScope;
 use crate::kinds::fine_tune;
@@ -15,7 +15,7 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// Of `learn` or `fine_tune`; `None` where the arm has none.
+    /// Of `learn` or `fine_tune`; `None` if the arm has none.
     pub fn of(arm: &ArmScope, stage: &str) -> Option<Self> {
         let spec = Section::new(arm.fields);
         let samples = match stage {
@@ -23,7 +23,7 @@ impl Budget {
             _ => spec.at(fine_tune::Ppo::samples)?,
         } as f64;
         let rollout = spec.at(Ppo::rollout)?.max(1) as f64;
-        // The last update is a whole one.
+        // The last update is always complete.
         Some(Self { first: rollout, samples: (samples / rollout).ceil() * rollout })
     }
 }

@@ -1,4 +1,4 @@
-//! E0204 and E0816: numbers and stages of a claim that leave its test nothing to decide.
+//! E0204 and E0816: numbers and stages of a claim that make its test trivial.
 
 use super::measure::{TRAININGS, stages};
 use super::training::Budget;
@@ -8,7 +8,7 @@ use crate::kinds::metric::{MetricKind, Source};
 use crate::spec::claim::{Case, Claim};
 use crate::spec::suggest::listed;
 
-/// E0816: a stage that is its own baseline gives every run the same value, whatever it does.
+/// E0816: a stage that is its own baseline gives every run the same value.
 pub fn baseline_is_another_stage(claim: &Claim, scope: &Scope, cases: &[Case], sink: &mut Sink) {
     let own = &claim.metric.stage;
     let Some(baseline) = claim.baseline.as_ref().filter(|baseline| baseline.stage == *own) else { return };
@@ -32,8 +32,8 @@ pub fn baseline_is_another_stage(claim: &Claim, scope: &Scope, cases: &[Case], s
     });
 }
 
-/// E0204: `until` lies between the first update and the end of every training that the claim is about. A
-/// profile and `--set` shorten trainings for a quick look, in which all of a shorter one counts.
+/// E0204: `until` is between the first update and the end of every training of the claim. If a profile or
+/// `--set` shortens a training for a quick look, all of it counts.
 pub fn until_is_in_the_training(
     claim: &Claim,
     metric: &MetricKind,
@@ -50,7 +50,7 @@ pub fn until_is_in_the_training(
     for stage in [Some(claim.metric.stage.as_str()), baseline].into_iter().flatten() {
         let of = |arm: &ArmScope| Some((name(arm.points), Budget::of(arm, stage)?));
         let budgets: Vec<(String, Budget)> = arms_in(cases, scope).into_iter().filter_map(of).collect();
-        // A training without samples is told by itself (E0804).
+        // A training without samples is reported separately (E0804).
         let Some((arm, budget)) = budgets
             .into_iter()
             .find(|(_, budget)| budget.samples > 0.0 && (until < budget.first || until > budget.samples))

@@ -1,4 +1,4 @@
-//! Diagnostics as GitHub's workflow commands: they appear beside the lines of a pull request.
+//! Diagnostics as GitHub workflow commands, which appear next to the lines of a pull request.
 
 use crate::diag::{Diagnostic, Severity, Sources};
 use crate::escape::terminal;
@@ -28,13 +28,13 @@ fn one(sources: &Sources, diagnostic: &Diagnostic) -> String {
     format!("::{command} {}title={title}::{}", place.unwrap_or_default(), escaped(&message))
 }
 
-/// As GitHub's runner wants it after the second `::`.
+/// Escapes the text after the second `::` for GitHub's runner.
 fn escaped(text: &str) -> String {
     let lines: Vec<_> = text.split('\n').map(terminal::line).collect();
     lines.join("\n").replace('%', "%25").replace('\n', "%0A")
 }
 
-/// As GitHub's runner wants it in a property.
+/// Escapes a property for GitHub's runner.
 fn property(text: &str) -> String {
     escaped(text).replace(':', "%3A").replace(',', "%2C")
 }

@@ -1,4 +1,4 @@
-//! Diagnostics for people, in rustc's look.
+//! Diagnostics for people, in rustc's style.
 
 use std::ops::Range;
 
@@ -11,10 +11,10 @@ use crate::diag::position::boundary;
 use crate::diag::{Diagnostic, Fix, Label, Severity, SourceId, Sources};
 use crate::escape::terminal;
 
-/// How it shall look.
+/// How to render them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Look {
-    /// With the terminal's colours.
+    /// Whether to use terminal colours.
     pub colors: bool,
     /// Characters per line.
     pub width: usize,
@@ -26,7 +26,7 @@ impl Default for Look {
     }
 }
 
-/// The diagnostics one below the other, an empty line between them.
+/// The diagnostics, separated by blank lines.
 pub fn human(sources: &Sources, diagnostics: &[Diagnostic], look: Look) -> String {
     let renderer = if look.colors { Renderer::styled().hyperlink(false) } else { Renderer::plain() };
     let renderer = renderer.term_width(look.width);
@@ -39,7 +39,7 @@ pub fn human(sources: &Sources, diagnostics: &[Diagnostic], look: Look) -> Strin
     text
 }
 
-/// A diagnostic whose words are safe in a terminal.
+/// The diagnostic with its text made safe for a terminal.
 fn shown(diagnostic: &Diagnostic) -> Diagnostic {
     let mut shown = diagnostic.clone();
     shown.message = terminal::line(&diagnostic.message).into_owned();
@@ -49,7 +49,7 @@ fn shown(diagnostic: &Diagnostic) -> Diagnostic {
     shown
 }
 
-/// The title with its snippets, then a group per advice. The edit is shown under the first advice.
+/// The title with its snippets, then one group per help line. The edit is shown under the first one.
 fn groups<'a>(texts: &'a Texts<'_>, diagnostic: &'a Diagnostic) -> Vec<Group<'a>> {
     let level = match diagnostic.severity {
         Severity::Error => Level::ERROR,
@@ -71,7 +71,7 @@ fn groups<'a>(texts: &'a Texts<'_>, diagnostic: &'a Diagnostic) -> Vec<Group<'a>
     groups
 }
 
-/// One snippet per text, that of the mistake first. Of a private text only the place is shown.
+/// One snippet per text, the mistake's first. Private texts show only the position.
 fn with_snippets<'a>(mut group: Group<'a>, texts: &'a Texts<'_>, labels: &'a [Label]) -> Group<'a> {
     let mut order: Vec<SourceId> = Vec::new();
     for label in labels.iter().filter(|label| label.primary).chain(labels) {
@@ -113,17 +113,16 @@ fn patch<'a>(texts: &'a Texts<'_>, fix: &'a Fix) -> Snippet<'a, Patch<'a>> {
         .patch(Patch::new(part.range(range), fix.replacement.as_str()))
 }
 
-/// Texts up to this size in bytes are handed to the renderer whole.
+/// Texts up to this size in bytes are passed to the renderer whole.
 const SMALL: usize = 64 << 10;
-/// Lines that a part of a larger text has around its labels.
+/// Lines of context kept around the labels of a larger text.
 const MARGIN: usize = 3;
 
-/// The lines of a text that a snippet needs: the renderer works through all that it is given, once for each
-/// diagnostic.
+/// The lines of a text that a snippet needs. The renderer processes all it is given, once per diagnostic.
 #[derive(Clone, Copy)]
 struct Part<'a> {
     text: &'a str,
-    /// Where it begins in the whole text, in bytes.
+    /// Byte offset of its start in the whole text.
     start: usize,
     /// Its first line, from 1.
     line: usize,
@@ -146,7 +145,7 @@ impl<'a> Part<'a> {
         Self { text: &text[start..end], start, line: text[..start].matches('\n').count() + 1 }
     }
 
-    /// A range of the whole text in this part, kept inside it and on characters.
+    /// A range of the whole text relative to this part, clamped to it and to character boundaries.
     fn range(self, range: Range<usize>) -> Range<usize> {
         let inside = |byte: usize| boundary(self.text, byte.saturating_sub(self.start));
         let start = inside(range.start);
@@ -217,7 +216,7 @@ help: write the limit as an angle
     fn a_part_of_a_large_text_is_rendered_as_the_whole_is() {
         let mut texts: Vec<String> = Vec::new();
         for filling in ["", &"# filling\n".repeat(SMALL / 5)] {
-            // As many lines before the place in both, so that its number is the same.
+            // Same number of lines before the mistake in both, so that its line number is the same.
             let before = "x = 1\n".repeat(SMALL / 10 / 6);
             let mut sources = Sources::default();
             let text = format!("{before}[action]\ndelay = \"4 m\"\n\nstd = \"é 1 Hz\"\n{filling}");

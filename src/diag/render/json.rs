@@ -1,4 +1,4 @@
-//! Diagnostics for programs: the JSON that `check --format json` prints, stable within the edition.
+//! Diagnostics for programs: the JSON of `check --format json`, stable within the edition.
 
 use serde_json::{Map, Value, json};
 
@@ -6,8 +6,7 @@ use super::count;
 use crate::diag::{Diagnostic, Severity, Sources, Span};
 
 /// `{"diagnostics": [...], "errors": N, "warnings": N}`. Lines and columns count from 1, columns in
-/// characters; an end is the position after the last character. Without a place, `file` and the positions are
-/// null.
+/// characters; an end is the position after the last character. `file` and the positions are null if unknown.
 pub fn json(sources: &Sources, diagnostics: &[Diagnostic]) -> Value {
     let (errors, warnings) = count(diagnostics);
     let diagnostics: Vec<Value> = diagnostics.iter().map(|diagnostic| one(sources, diagnostic)).collect();

@@ -17,7 +17,7 @@ pub fn count(diagnostics: &[Diagnostic]) -> (usize, usize) {
     (errors, diagnostics.len() - errors)
 }
 
-/// `2 errors and 1 warning`; empty when there is nothing.
+/// `2 errors and 1 warning`; empty if both are 0.
 pub fn tally(errors: usize, warnings: usize) -> String {
     let some = |count: usize, word: &str| match count {
         0 => None,

@@ -1,5 +1,4 @@
-//! The texts of diagnostics as they are shown: hidden characters written out, and the places of spans in the
-//! result.
+//! The texts that diagnostics display: hidden characters are escaped, and spans are mapped to the result.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -10,22 +9,21 @@ use crate::escape::{is_hidden, terminal};
 
 /// The texts of diagnostics.
 pub struct Texts<'a> {
-    /// As they were read.
+    /// The original texts.
     pub sources: &'a Sources,
     /// Those with hidden characters.
     changed: BTreeMap<SourceId, Changed>,
 }
 
-/// A text with its hidden characters written out.
+/// A text with its hidden characters escaped.
 struct Changed {
     text: String,
-    /// For each character that was written out, the byte after it and how many bytes the text has grown until
-    /// there.
+    /// For each escaped character: the byte after it, and the number of bytes added so far.
     grown: Vec<(usize, usize)>,
 }
 
 impl<'a> Texts<'a> {
-    /// The texts that diagnostics point into.
+    /// The texts that the diagnostics refer to.
     pub fn of(sources: &'a Sources, diagnostics: &[Diagnostic]) -> Self {
         let labels = diagnostics.iter().flat_map(|found| found.labels.iter().map(|label| label.span));
         let spans =
@@ -37,12 +35,12 @@ impl<'a> Texts<'a> {
         Self { sources, changed: changed.collect() }
     }
 
-    /// A text as it is shown.
+    /// A text with hidden characters escaped.
     pub fn text(&self, id: SourceId) -> &str {
         self.changed.get(&id).map_or(&*self.sources.get(id).text, |changed| &changed.text)
     }
 
-    /// The bytes of a span in the text as it is shown, kept inside it and on characters.
+    /// A span's bytes in the displayed text, clamped to it and to character boundaries.
     pub fn range(&self, span: Span) -> Range<usize> {
         let text = &*self.sources.get(span.source).text;
         let start = boundary(text, span.start);
@@ -55,7 +53,7 @@ impl<'a> Texts<'a> {
 }
 
 impl Changed {
-    /// `None` when there is nothing to write out.
+    /// `None` when there is nothing to escape.
     fn of(original: &str) -> Option<Self> {
         let is_plain = |byte: u8| matches!(byte, b' '..=b'~' | b'\n' | b'\t');
         if original.bytes().all(is_plain) && !original.contains(terminal::COMMAND) {

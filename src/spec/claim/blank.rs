@@ -1,9 +1,9 @@
-//! E0103: texts of a claim with nothing in them.
+//! E0103: empty texts in a claim.
 
 use super::Reading;
 use crate::diag::Diagnostic;
 
-/// The keys whose text must not be empty, and what to write. The others have errors of their own.
+/// The keys whose text must not be empty, and what to write. The other keys have their own errors.
 const TEXTS: &[(&str, &str)] = &[
     ("text", "say in a sentence what is claimed"),
     ("baseline", "name another stage of the same runs, for example `evaluate.flat`, or remove `baseline`"),
@@ -27,7 +27,7 @@ const ARM: &str = "name the arm by its points, `axis=point` joined by commas";
 const AXIS: &str = "name an axis of the suite";
 
 impl Reading<'_> {
-    /// The text of a key, when there is something in it.
+    /// The text of a key, unless it is empty.
     fn text_at(&self, path: &str) -> Option<&str> {
         match path.split_once('.') {
             Some((table, key)) => self.fields.section(table)?.text_if(key),
@@ -35,12 +35,12 @@ impl Reading<'_> {
         }
     }
 
-    /// Whether a key has a text without a letter in it.
+    /// Whether a key has a text without any letters.
     pub(super) fn is_blank(&self, path: &str) -> bool {
         self.text_at(path).is_some_and(|text| text.trim().is_empty())
     }
 
-    /// Tells the keys whose text is empty.
+    /// Reports keys with an empty text.
     pub(super) fn texts_say_something(&mut self) {
         for (path, help) in TEXTS {
             if self.is_blank(path) {

@@ -1,4 +1,4 @@
-//! Which arms a claim compares: the patterns applied to the arms of a suite.
+//! The arms that a claim compares: its patterns applied to the arms of a suite.
 //!
 //! An axis that neither pattern names is free: arms are compared at equal points of it. A case is one arm, or
 //! two arms that agree on every free axis.
@@ -8,10 +8,10 @@ use super::{ArmPattern, Claim};
 /// The points of an arm, by axis.
 pub type Points = [(String, String)];
 
-/// One comparison that a claim is about: arms by their place in the list of arms.
+/// One comparison of a claim; arms are indices into the list of arms.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Case {
-    /// What tells it from the other cases of the claim: `robot=atlas`; empty when there is only one.
+    /// What distinguishes it from the claim's other cases: `robot=atlas`; empty if there is only one.
     pub label: String,
     /// The arm `a`.
     pub a: usize,
@@ -45,23 +45,23 @@ pub fn cases(claim: &Claim, arms: &[&Points]) -> Vec<Case> {
     cases
 }
 
-/// Arms that a pattern matches and that are in no case: they have no counterpart.
+/// Arms that match a pattern but have no counterpart, so they are in no case.
 pub fn unpaired(claim: &Claim, arms: &[&Points], cases: &[Case]) -> Vec<usize> {
     let in_case = |arm: usize| cases.iter().any(|case| case.a == arm || case.b == Some(arm));
     claim.sides.values().flat_map(|pattern| matching(pattern, arms)).filter(|arm| !in_case(*arm)).collect()
 }
 
-/// A point of the axis that a claim is over, or a case that it counts, and the cases that belong to it.
+/// A point of the claim's `over` axis, or a counted case, with its cases.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Alternative {
-    /// The point; empty for a claim that is over no axis.
+    /// The point; empty for a claim without an `over` axis.
     pub point: String,
-    /// The cases by their place.
+    /// Indices of the cases.
     pub cases: Vec<usize>,
 }
 
-/// The alternatives of a claim in the order of their first cases: one for each point of the axis that it is
-/// over, one for each case that it counts, or all cases together.
+/// The alternatives of a claim in the order of their first cases: one per point of the `over` axis, one per
+/// counted case, or all cases together.
 pub fn alternatives(claim: &Claim, arms: &[&Points], cases: &[Case]) -> Vec<Alternative> {
     let mut found: Vec<Alternative> = Vec::new();
     for (place, case) in cases.iter().enumerate() {
@@ -74,8 +74,8 @@ pub fn alternatives(claim: &Claim, arms: &[&Points], cases: &[Case]) -> Vec<Alte
     found
 }
 
-/// The point at which a case stands on the axis that its claim is over: that of the arm whose pattern leaves
-/// it open; of a claim that counts its cases the case itself.
+/// The point of the `over` axis that a case belongs to: that of the arm whose pattern leaves the axis open.
+/// For a claim that counts cases, the case itself.
 pub fn alternative(claim: &Claim, arms: &[&Points], case: &Case) -> Option<String> {
     let over = claim.over.as_ref()?;
     if over.count().is_some() {
@@ -90,12 +90,12 @@ pub fn alternative(claim: &Claim, arms: &[&Points], case: &Case) -> Option<Strin
     }
 }
 
-/// The arm that a claim compares the runs of this one with: it has the points of the twin, and else the same.
+/// The arm that a claim compares this arm's runs with: at the twin's points, otherwise at this arm's.
 pub fn twin(pattern: &ArmPattern, arms: &[&Points], arm: usize) -> Option<usize> {
     counterparts(pattern, arms, arm).into_iter().find(|other| *other != arm)
 }
 
-/// All arms that have the points of a twin, and else those of this arm, which may be one of them.
+/// All arms that have the twin's points and otherwise this arm's; may include this arm.
 pub fn counterparts(pattern: &ArmPattern, arms: &[&Points], arm: usize) -> Vec<usize> {
     let is_named = |axis: &str| pattern.terms.iter().any(|term| term.axis == axis);
     let agrees = |other: &Points| {
@@ -105,7 +105,7 @@ pub fn counterparts(pattern: &ArmPattern, arms: &[&Points], arm: usize) -> Vec<u
     matching(pattern, arms).into_iter().filter(|other| agrees(arms[*other])).collect()
 }
 
-/// Names each case by the points on which the cases differ.
+/// Labels each case with the points in which the cases differ.
 fn label(claim: &Claim, arms: &[&Points], cases: &mut [Case]) {
     let points = |case: &Case| -> Vec<(String, String)> {
         let loose = |side: &str, arm: usize| {

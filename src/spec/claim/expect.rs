@@ -2,8 +2,8 @@
 //!
 //! Grammar: `expectation = operand relation operand [ "within" quantity ]`,
 //! `operand = [ number "*" ] arm [ ( "+" | "-" ) quantity ] | quantity`,
-//! `relation = ">" | ">=" | "<" | "<=" | "=="`. At least one operand is an arm, and only one of two arms is
-//! multiplied or added to. `==` needs its tolerance, the other relations take none.
+//! `relation = ">" | ">=" | "<" | "<=" | "=="`. At least one operand is an arm; of two arms only one may have
+//! a factor or an offset. `==` requires a tolerance, the other relations take none.
 
 use std::ops::Range;
 
@@ -20,9 +20,9 @@ pub struct Expectation {
     pub relation: Relation,
     /// The other arm, or a number.
     pub right: Operand,
-    /// By what the other arm is multiplied; 1 when nothing is written.
+    /// Factor of the other arm; 1 if none is written.
     pub factor: f64,
-    /// What is added to the other arm, in the metric's unit.
+    /// Offset added to the other arm, in the metric's unit.
     pub offset: Option<Quantity>,
     /// The tolerance of `==`, in the metric's unit.
     pub within: Option<Quantity>,
@@ -53,7 +53,7 @@ pub enum Operand {
 }
 
 impl Relation {
-    /// As it is written.
+    /// The operator.
     pub fn symbol(self) -> &'static str {
         match self {
             Self::Greater => ">",
@@ -64,7 +64,7 @@ impl Relation {
         }
     }
 
-    /// The same relation read from the other side.
+    /// The relation with its sides swapped.
     fn flipped(self) -> Self {
         match self {
             Self::Greater => Self::Less,
@@ -77,7 +77,7 @@ impl Relation {
 }
 
 impl Expectation {
-    /// The arms that are named, with the keys of their places.
+    /// The arms named, with the keys of their places.
     pub fn names(&self) -> Vec<(&'static str, &str)> {
         let mut names = vec![("expect.left", self.left.as_str())];
         if let Operand::Arm(name) = &self.right {
@@ -86,14 +86,14 @@ impl Expectation {
         names
     }
 
-    /// As it is written.
+    /// The expectation as text.
     pub fn written(&self) -> String {
         let right = self.right_written(|name| name.to_owned());
         let within = self.within.as_ref().map_or(String::new(), |within| format!(" within {}", within.text));
         format!("{} {} {right}{within}", self.left, self.relation.symbol())
     }
 
-    /// The right side as it is written, with a name for the arm.
+    /// The right side as text, with a name for the arm.
     pub fn right_written(&self, named: impl Fn(&str) -> String) -> String {
         let name = match &self.right {
             Operand::Arm(name) => named(name),
@@ -143,7 +143,7 @@ impl Mistake {
 const SYMBOLS: [Relation; 5] =
     [Relation::AtLeast, Relation::AtMost, Relation::Equal, Relation::Greater, Relation::Less];
 
-/// Reads an expectation.
+/// Parses an expectation.
 pub fn parse(text: &str) -> Result<Parsed, Mistake> {
     let (at, relation) = relation(text)?;
     let after = at + relation.symbol().len();
@@ -197,7 +197,7 @@ pub fn parse(text: &str) -> Result<Parsed, Mistake> {
 /// One side of an expectation.
 struct Side {
     operand: Operand,
-    /// Where the arm or the number stands.
+    /// Place of the arm or the number.
     place: Range<usize>,
     factor: f64,
     offset: Option<(Quantity, Range<usize>)>,
@@ -209,7 +209,7 @@ impl Side {
     }
 }
 
-/// Reads `[ number "*" ] arm [ ( "+" | "-" ) quantity ]` or a number.
+/// Parses `[ number "*" ] arm [ ( "+" | "-" ) quantity ]` or a number.
 fn side(text: &str, range: Range<usize>) -> Result<Side, Mistake> {
     let star = text[range.clone()]
         .find('*')
@@ -234,7 +234,7 @@ fn side(text: &str, range: Range<usize>) -> Result<Side, Mistake> {
     Ok(Side { operand: arm, place, factor, offset })
 }
 
-/// Whether what stands before a `*` multiplies an arm; in `5 N*m` it is part of a quantity.
+/// Whether the text before a `*` is a factor of an arm; in `5 N*m` it is part of a quantity.
 fn is_factor(text: &str) -> bool {
     let is_pure = quantity::quantity(text.trim()).map_or(true, |parsed| parsed.dimension == Dimension::NONE);
     is_pure || !quantity::parse::looks_like_quantity(text)
@@ -253,7 +253,7 @@ fn factor(text: &str, range: Range<usize>) -> Result<f64, Mistake> {
     }
 }
 
-/// What is added or, behind a `-`, taken away.
+/// The offset; negative after a `-`.
 fn offset(text: &str, sign: usize, end: usize) -> Result<(Quantity, Range<usize>), Mistake> {
     let range = trimmed(text, sign + 1..end);
     match operand(text, range.clone())? {
@@ -269,7 +269,7 @@ fn offset(text: &str, sign: usize, end: usize) -> Result<(Quantity, Range<usize>
     }
 }
 
-/// The relation and where it stands.
+/// The relation and its place.
 fn relation(text: &str) -> Result<(usize, Relation), Mistake> {
     let whole = trimmed(text, 0..text.len());
     let Some(at) = text.find(['<', '>', '=']) else {
@@ -311,7 +311,7 @@ fn operand(text: &str, range: Range<usize>) -> Result<Operand, Mistake> {
     Err(Mistake::grammar(format!("`{word}` is neither an arm nor a number"), range, "not an arm"))
 }
 
-/// The tolerance, which `==` needs and the others do not take.
+/// The tolerance: required by `==`, not allowed otherwise.
 fn tolerance(
     text: &str,
     relation: Relation,
@@ -338,7 +338,7 @@ fn tolerance(
     }
 }
 
-/// A number with or without a unit: `0.9`, `90 %`, `0.2 m/s`, `500 k`. Which unit is right, the metric knows.
+/// A number with or without a unit: `0.9`, `90 %`, `0.2 m/s`, `500 k`. The metric checks the unit.
 pub fn amount(text: &str) -> Result<Quantity, Mistake> {
     let text = text.trim();
     let whole = 0..text.len();

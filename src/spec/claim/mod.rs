@@ -1,7 +1,7 @@
 //! Claims: what a suite is expected to show, decoded from one `[[claim]]` table.
 //!
-//! Knows the shape of a claim, the grammar of `expect` and of arm patterns; not which metrics and tests there
-//! are (the registries do) nor which arms a suite has (`check` does).
+//! Covers the keys of a claim and the grammar of `expect` and of arm patterns. Metrics and tests are in the
+//! registries; whether the arms exist is checked in `check`.
 
 mod blank;
 pub mod cases;
@@ -24,7 +24,7 @@ use super::{Param, Quantity, Section, Table, Ty, Value};
 use crate::diag::{Diagnostic, Sink, SourceId, Span};
 use crate::syntax::Node;
 
-/// The test of a claim that names none.
+/// The test of a claim that does not name one.
 pub const DEFAULT_TEST: &str = "welch";
 
 /// The keys of a `[[claim]]`.
@@ -107,7 +107,7 @@ pub const PARAMS: &[Param] = &[
 ];
 
 const OVER: &[&str] = &["each", "mean"];
-/// The keys of `over` as a table; one of them.
+/// The keys of `over` as a table; exactly one is written.
 const QUANTIFIER: &[Param] = &[
     Param::optional("some", Ty::Text)
         .doc("An axis: at one of its points at least, the expectation holds in every comparison."),
@@ -126,7 +126,7 @@ const QUANTIFIER: &[Param] = &[
 ];
 const SUMMARIES: &[&str] = &["mean", "iqm"];
 
-/// A claim. Serialised it is its decoded table.
+/// A claim. Serialized as its decoded table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "Table", try_from = "Table")]
 pub struct Claim {
@@ -138,49 +138,48 @@ pub struct Claim {
     pub metric: MetricPath,
     /// The arms by their name in `expect`: `a` alone, or `a` and `b`.
     pub sides: BTreeMap<String, ArmPattern>,
-    /// What is claimed of several arms that one pattern matches; without it each pattern matches one arm.
+    /// How a claim combines the arms that one pattern matches; if absent, each pattern matches one arm.
     pub over: Option<Over>,
     /// What is expected of the sides.
     pub expect: Expectation,
     /// Name of the test.
     pub test: String,
-    /// What an arm's runs are summarised by.
+    /// How the runs of an arm are summarized.
     pub summary: Summary,
     /// Two-sided level.
     pub alpha: f64,
     /// The margin of superiority or non-inferiority, in the metric's unit.
     pub margin: Option<Quantity>,
-    /// The stage whose value is subtracted from each run's, or divides it.
+    /// What each run's value is compared with, by difference or ratio.
     pub baseline: Option<Baseline>,
-    /// The standard deviation between runs that is assumed before there are any, in the metric's unit.
+    /// Assumed standard deviation between runs before there are any, in the metric's unit.
     pub spread: Option<Quantity>,
-    /// The value, or the difference of two arms, that the power is computed for, in the metric's unit.
+    /// The value, or the difference of two arms, for which the power is computed, in the metric's unit.
     pub effect: Option<Quantity>,
-    /// The return that a metric of learning waits for.
+    /// The return at which a metric of learning counts as reached.
     pub threshold: Option<f64>,
-    /// The samples of a training that a metric of learning looks at; all without it.
+    /// Number of training samples that a metric of learning covers; all if absent.
     pub until: Option<f64>,
-    /// The parameter that a metric of failures is about.
+    /// The parameter of a failure metric.
     pub parameter: Option<String>,
     /// What the paper reports.
     pub paper: Option<Paper>,
-    /// The decoded table, from which [`Claim::of_table`] makes the claim again.
+    /// The decoded table; [`Claim::of_table`] rebuilds the claim from it.
     pub fields: Table,
-    /// Where everything is written, by key; the terms of a pattern as `compare.a.0`, `arm.1`, with the axis
-    /// as key and the point as value; the parts of the expectation as `expect.left`, `expect.right`,
+    /// The places of all parts, by key; the terms of a pattern as `compare.a.0`, `arm.1`, with the axis as
+    /// key and the point as value; the parts of the expectation as `expect.left`, `expect.right`,
     /// `expect.within`; those of the metric as `metric.stage` and `metric.name`.
     pub marks: Marks,
 }
 
-/// What the metric of a run is compared with: that of another stage, of another arm's run of the same seed,
-/// or of both.
+/// What the metric of a run is compared with: another stage, another arm's run with the same seed, or both.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Baseline {
     /// The stage: `evaluate.flat`.
     pub stage: String,
-    /// The points of the other arm that are not the run's own; absent when the run is compared with itself.
+    /// The points in which the other arm differs; absent if the run is compared with itself.
     pub twin: Option<ArmPattern>,
-    /// Whether the value is the ratio of the two, not their difference.
+    /// Whether the value is the ratio of the two instead of their difference.
     pub relative: bool,
 }
 
@@ -194,28 +193,28 @@ pub struct MetricPath {
 }
 
 impl MetricPath {
-    /// As it is written: `evaluate.nominal.survival`.
+    /// The path as text: `evaluate.nominal.survival`.
     pub fn written(&self) -> String {
         format!("{}.{}", self.stage, self.name)
     }
 }
 
-/// What is claimed of several arms.
+/// How a claim combines several arms.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Over {
-    /// That it holds for each.
+    /// It holds for each.
     Each,
-    /// That it holds for the mean over them; runs are resampled inside each arm.
+    /// It holds for the mean over them; runs are resampled within each arm.
     Mean,
-    /// That there is a point of this axis at which it holds for each.
+    /// At some point of this axis it holds for each.
     Some(String),
-    /// That there is no such point.
+    /// At no point of this axis it holds for each.
     None(String),
-    /// That it holds in so many of the comparisons or more.
+    /// It holds in at least this many comparisons.
     AtLeast(usize),
-    /// That it holds in so many of the comparisons or fewer.
+    /// It holds in at most this many comparisons.
     AtMost(usize),
-    /// That it holds for the slope of the means over the points of this axis, per point.
+    /// It holds for the slope of the means over the points of this axis, per point.
     Trend(String),
 }
 
@@ -228,7 +227,7 @@ impl Over {
         }
     }
 
-    /// The key and the axis that it names.
+    /// The key and the axis it names.
     pub fn named(&self) -> Option<(&'static str, &str)> {
         match self {
             Self::Some(axis) => Some(("over.some", axis)),
@@ -238,7 +237,7 @@ impl Over {
         }
     }
 
-    /// Whether all comparisons make one sample, of which each is a stratum.
+    /// Whether all comparisons form one sample, each being a stratum.
     pub fn is_joint(&self) -> bool {
         matches!(self, Self::Mean | Self::Trend(_))
     }
@@ -256,7 +255,7 @@ impl Over {
         }
     }
 
-    /// What [`Over::in_words`] has written.
+    /// Parses the output of [`Over::in_words`].
     pub fn of_words(words: &str) -> Option<Self> {
         let axis = |start: &str| words.strip_prefix(start).map(str::to_owned);
         let count = |start: &str| words.strip_prefix(start)?.parse().ok();
@@ -273,7 +272,7 @@ impl Over {
         })
     }
 
-    /// How many comparisons must hold, or may at most.
+    /// The minimum or maximum number of comparisons that hold.
     pub fn count(&self) -> Option<usize> {
         match self {
             Self::AtLeast(count) | Self::AtMost(count) => Some(*count),
@@ -282,7 +281,7 @@ impl Over {
     }
 }
 
-/// What the runs of an arm are summarised by.
+/// How the runs of an arm are summarized.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Summary {
@@ -294,7 +293,7 @@ pub enum Summary {
 }
 
 impl Summary {
-    /// Whether it is the usual one.
+    /// Whether it is the default.
     pub fn is_mean(&self) -> bool {
         *self == Self::Mean
     }
@@ -303,10 +302,10 @@ impl Summary {
 /// What the reproduced paper reports.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Paper {
-    /// Where.
+    /// Where in the paper.
     #[serde(rename = "where")]
     pub place: String,
-    /// What.
+    /// The reported result.
     pub value: String,
     /// Whether the claim expects less than that.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
@@ -321,9 +320,9 @@ impl Paper {
     }
 }
 
-/// Decodes one `[[claim]]` table. `None` when anything is wrong with it; all mistakes are in the sink then.
+/// Decodes one `[[claim]]` table. `None` if anything is wrong with it; all mistakes are then in the sink.
 ///
-/// The names of the metric, of the test and of the arms are not looked up here.
+/// Whether the metric, the test and the arms exist is not checked here.
 pub fn decode(node: &Node, sink: &mut Sink) -> Option<Claim> {
     let Decoded { table, marks } = decode::element(node, PARAMS, sink)?;
     let mut reading = Reading { fields: Section::new(&table), marks, sink, header: node.span, sound: true };
@@ -332,7 +331,7 @@ pub fn decode(node: &Node, sink: &mut Sink) -> Option<Claim> {
 }
 
 impl Claim {
-    /// The claim of a decoded table that was sound, as a plan keeps it; its places are gone.
+    /// Rebuilds a claim from the valid decoded table stored in a plan; without places.
     pub fn of_table(table: &Table) -> Option<Self> {
         let nowhere = Span { source: SourceId(0), start: 0, end: 0 };
         let (fields, marks, mut sink) = (Section::new(table), Marks::default(), Sink::default());
@@ -355,7 +354,7 @@ impl TryFrom<Table> for Claim {
     }
 }
 
-/// A claim being read: its decoded keys, the places found so far, and whether anything was wrong.
+/// A claim being decoded: its keys, the places found so far, and whether anything was wrong.
 struct Reading<'a> {
     fields: Section<'a>,
     marks: Marks,
@@ -413,7 +412,7 @@ impl Reading<'_> {
         self.marks.get(key).map_or(self.header, |mark| mark.value)
     }
 
-    /// Remembers the place of a part of a text.
+    /// Records the place of a part of a text.
     fn mark(&mut self, path: &str, [key, value]: [Span; 2], text: &str) {
         let layer = self.marks.nearest(path).map(|mark| mark.layer).unwrap_or_default();
         self.marks.by_path.insert(path.to_owned(), Mark { key, value, layer, text: text.to_owned() });
@@ -428,7 +427,7 @@ impl Reading<'_> {
         }
     }
 
-    /// What is claimed of several arms: a word, or a table with one of its keys.
+    /// Decodes `over`: a word, or a table with one of its keys.
     fn over(&mut self) -> Option<Over> {
         let table = match self.fields.get("over")? {
             Value::Table(table) => Section::new(table),

@@ -1,13 +1,12 @@
-//! Arm patterns: `control=position,stiffness=100 %` names the arms at these points of these axes.
+//! Arm patterns: `control=position,stiffness=100 %` selects the arms at these points of these axes.
 //!
-//! Grammar: `pattern = term { "," term }`, `term = axis "=" point { "|" point }`; a point that ends with `*`
-//! is every point that begins so, and `*` alone every point of the axis.
-//! A comma inside brackets, braces or quotes belongs to the point. Blanks around axes and points do not
-//! count.
+//! Grammar: `pattern = term { "," term }`, `term = axis "=" point { "|" point }`. A point that ends with `*`
+//! matches every point with that prefix, `*` alone every point of the axis.
+//! A comma inside brackets, braces or quotes belongs to the point. Blanks around axes and points are ignored.
 
 use std::ops::Range;
 
-/// Which arms are meant: those whose points agree with every term.
+/// Selects arms: those whose points agree with every term.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ArmPattern {
     /// The terms, in the order in which they are written; at least one.
@@ -19,12 +18,12 @@ pub struct ArmPattern {
 pub struct Term {
     /// Name of the axis.
     pub axis: String,
-    /// Name of the point; several between bars, or the beginning of several before a `*`.
+    /// Name of the point; several separated by `|`, or a prefix followed by `*`.
     pub point: String,
 }
 
 impl Term {
-    /// What stands between the bars: points, or beginnings of points before a `*`.
+    /// The alternatives between the bars: points, or prefixes followed by `*`.
     pub fn points(&self) -> Vec<&str> {
         self.point.split('|').map(str::trim).collect()
     }
@@ -34,30 +33,30 @@ impl Term {
     }
 }
 
-/// Whether a point is meant by what is written in a term: it is the same, or begins like that.
+/// Whether an alternative of a term matches a point: it is equal, or a prefix of it.
 pub fn is_meant(written: &str, point: &str) -> bool {
     written == point || written.strip_suffix('*').is_some_and(|beginning| point.starts_with(beginning))
 }
 
 impl ArmPattern {
-    /// Whether an arm is meant, given its point on each axis.
+    /// Whether an arm matches, given its point on each axis.
     pub fn matches<'a>(&self, point: impl Fn(&str) -> Option<&'a str>) -> bool {
         self.terms.iter().all(|term| point(&term.axis).is_some_and(|point| term.takes(point)))
     }
 
-    /// Whether the pattern names one point of this axis; of several, each is an arm of its own.
+    /// Whether the pattern selects one point of this axis; of several, each is a separate arm.
     pub fn fixes(&self, axis: &str) -> bool {
         let one = |term: &Term| matches!(term.points().as_slice(), [point] if !point.ends_with('*'));
         self.terms.iter().any(|term| term.axis == axis && one(term))
     }
 
-    /// As it is written: `control=position,stiffness=100 %`.
+    /// The pattern as text: `control=position,stiffness=100 %`.
     pub fn written(&self) -> String {
         self.terms.iter().map(|term| format!("{}={}", term.axis, term.point)).collect::<Vec<_>>().join(",")
     }
 }
 
-/// A term by its places in the text.
+/// The places of a term in the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Placed {
     /// The axis.
@@ -75,7 +74,7 @@ pub struct Mistake {
     pub range: Range<usize>,
 }
 
-/// Reads a pattern.
+/// Parses a pattern.
 pub fn parse(text: &str) -> Result<Vec<Placed>, Mistake> {
     let mut terms: Vec<Placed> = Vec::new();
     for range in split(text) {
@@ -105,7 +104,7 @@ pub fn parse(text: &str) -> Result<Vec<Placed>, Mistake> {
     Ok(terms)
 }
 
-/// The pieces between the commas that stand in no bracket and no quotes.
+/// Splits at commas outside brackets and quotes.
 fn split(text: &str) -> Vec<Range<usize>> {
     let (mut depth, mut quoted, mut start, mut pieces) = (0usize, false, 0, Vec::new());
     for (at, letter) in text.char_indices() {
@@ -124,7 +123,7 @@ fn split(text: &str) -> Vec<Range<usize>> {
     pieces
 }
 
-/// A range without the blanks at its ends.
+/// A range without leading and trailing blanks.
 pub fn trimmed(text: &str, range: Range<usize>) -> Range<usize> {
     let piece = &text[range.clone()];
     let start = range.start + (piece.len() - piece.trim_start().len());

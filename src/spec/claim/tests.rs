@@ -1,10 +1,10 @@
-//! Claims as their authors write them, sound and not.
+//! Claims as users write them, valid and invalid.
 
 use super::*;
 use crate::diag::Sources;
 use crate::syntax::Item;
 
-/// Decodes the first `[[claim]]` of a text; the codes and the marked places of what is wrong.
+/// Decodes the first `[[claim]]` of a text; the codes and the marked places of its mistakes.
 fn read(text: &str) -> (Option<Claim>, Vec<(&'static str, String)>) {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let source = sources.add("suite.toml", text);
@@ -139,7 +139,7 @@ fn a_claim_is_the_same_when_it_is_made_again_of_its_table() {
     }
 }
 
-/// What is advised for the first `[[claim]]` of a text.
+/// The advice for the first `[[claim]]` of a text.
 fn advice(text: &str) -> Vec<String> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let source = sources.add("suite.toml", text);
@@ -168,7 +168,7 @@ fn advice_that_is_followed_is_accepted() {
         "`paper = { where = \"...\", value = \"...\" }`",
         "paper = { where = \"...\", value = \"...\" }",
     );
-    // What is written already was not meant by a wrong key beside it.
+    // A key that is already present is not suggested for a wrong key.
     let twice = advice(&with("paper", "paper = { where = \"Exp. 1\", value = \"it falls\", weake = true }"));
     assert_eq!(twice, ["did you mean `weaker`?"]);
     let third = with(

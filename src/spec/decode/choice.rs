@@ -1,12 +1,12 @@
-//! Values of one of several types: the first type that the shape of the TOML value fits.
+//! Values of one of several types: the first type that matches the TOML value.
 
 use crate::diag::Diagnostic;
 use crate::quantity::parse::looks_like_quantity;
 use crate::spec::{Param, Presence, Sampler, Ty};
 use crate::syntax::{Item, Node};
 
-/// The type that a value is meant to have: the first that fits it well, else a table with one of its keys,
-/// else the first that could.
+/// The type to decode a value as: the first strict match, else a table with one of its keys, else the first
+/// loose match.
 pub fn pick<'t>(types: &'t [Ty], node: &Node) -> Option<&'t Ty> {
     let first = |fits: &dyn Fn(&Ty) -> bool| types.iter().find(|ty| fits(ty));
     first(&|ty| fits(ty, node, true))
@@ -14,7 +14,7 @@ pub fn pick<'t>(types: &'t [Ty], node: &Node) -> Option<&'t Ty> {
         .or_else(|| first(&|ty| fits(ty, node, false)))
 }
 
-/// Whether a type is a table with one of the keys that are written.
+/// Whether a type is a table with one of the keys present.
 fn knows(ty: &Ty, node: &Node) -> bool {
     match (ty, node.table()) {
         (Ty::Table(params), Some(map)) => params.iter().any(|param| map.get(param.name).is_some()),
@@ -22,7 +22,7 @@ fn knows(ty: &Ty, node: &Node) -> bool {
     }
 }
 
-/// Whether a value has the shape of a type; strictly, or just the same sort of TOML value.
+/// Whether a value has the shape of a type: strictly, or only the same sort of TOML value.
 fn fits(ty: &Ty, node: &Node, strictly: bool) -> bool {
     match (ty, &node.item) {
         (Ty::Flag, Item::Flag(_)) | (Ty::Number, Item::Number(_)) => true,
@@ -59,7 +59,7 @@ pub fn mismatch(types: &[Ty], node: &Node, key: &str) -> Diagnostic {
     }
 }
 
-/// What a type takes, with an article.
+/// What a type accepts, with an article.
 pub fn describe(ty: &Ty) -> String {
     match ty {
         Ty::Flag => "`true` or `false`".to_owned(),

@@ -1,4 +1,4 @@
-//! Keys: unknown ones, missing ones, those of another kind, and the kind itself.
+//! Keys: unknown, missing, belonging to another kind, and the kind itself.
 
 use std::collections::BTreeSet;
 
@@ -12,11 +12,11 @@ use crate::spec::synonyms;
 use crate::spec::{Edition, Kind, Param, Ty};
 use crate::syntax::{Entry, Item, Layer, Map, Node};
 
-/// The table whose keys are looked at.
+/// The table whose keys are checked.
 pub struct Place<'a> {
     /// Its path.
     pub path: &'a str,
-    /// Where it stands.
+    /// Where it is in the text.
     pub header: Span,
     /// Its kind, if tables of this place have one.
     pub kind: Option<&'static Kind>,
@@ -35,7 +35,7 @@ impl Decoder<'_> {
         self.wordings.iter().find(fits).copied()
     }
 
-    /// Reports unknown keys and says how many there are, with the keys that were probably meant by them.
+    /// Reports unknown keys with suggestions and returns their number.
     pub(super) fn unknown_keys(
         &mut self,
         map: &Map,
@@ -46,11 +46,11 @@ impl Decoder<'_> {
         let (mut unknown, mut meant) = (0, BTreeSet::new());
         for (key, entry) in &map.entries {
             let known = params.iter().copied().flatten().any(|param| param.name == key);
-            // One more than is listed, which says that there are more.
+            // One more than the limit, so that a note says that there are more.
             if !known && unknown > MOST_OF_A_CODE {
                 unknown += 1;
             } else if !known && !reserved.contains(&key.as_str()) {
-                // What stands beside it already was not meant.
+                // A key that the table already has is not suggested.
                 let is_written = |name: &str| {
                     map.entries.get(name).is_some_and(|other| {
                         other.key.source == entry.key.source && other.node.layer == entry.node.layer
@@ -65,7 +65,7 @@ impl Decoder<'_> {
                     nearest(key, names().filter(|name| free.contains(name)))
                         .filter(|_| matches!(diagnostic.code, "E0102" | "E0604")),
                 );
-                // Where a key is one of another kind, the kind's own place explains it.
+                // For a key of another kind, point to where the kind is set.
                 let said = map.entries.get("kind").filter(|_| matches!(diagnostic.code, "E0105" | "E0503"));
                 self.sink.emit(match said {
                     Some(kind) => diagnostic.note(kind.node.span, "the kind"),
@@ -77,7 +77,7 @@ impl Decoder<'_> {
         (unknown, meant)
     }
 
-    /// `free` are those of the names that the table does not have yet.
+    /// `free`: those of the names that the table does not have yet.
     fn unknown_key(
         &self,
         (key, entry): (&str, &Entry),
@@ -133,7 +133,7 @@ impl Decoder<'_> {
         }
     }
 
-    /// Reports the keys that a table lacks, all of them at once (E0101).
+    /// Reports all missing keys of a table at once (E0101).
     pub(super) fn missing(&mut self, params: &[&Param], map: &Map, place: &Place<'_>) {
         if self.partial || params.is_empty() || self.told.contains(place.path) {
             return;
@@ -181,8 +181,8 @@ impl Decoder<'_> {
         self.emit_once(error, place.path);
     }
 
-    /// What elements of a list lack alike is told of the first, with their number: twelve joints are one
-    /// mistake.
+    /// Keys missing in several elements of a list are reported once, at the first element, with a count:
+    /// twelve joints are one mistake.
     fn emit_once(&mut self, error: Diagnostic, path: &str) {
         let Some((list, any)) = element(path) else { return self.sink.emit(error) };
         let same = error.message.replace(&format!("`{path}`"), &format!("`{any}`"));
@@ -202,7 +202,7 @@ impl Decoder<'_> {
         }
     }
 
-    /// The kind that a table is of.
+    /// The kind of a table.
     pub(super) fn find_kind(
         &mut self,
         map: &Map,
@@ -266,7 +266,7 @@ impl Decoder<'_> {
     }
 }
 
-/// The key that a range such as `range = [0.5, 1.25]` is the value of: the only one of the kind that takes a
+/// The key that a range such as `range = [0.5, 1.25]` probably belongs to: the kind's only key that takes a
 /// distribution, if this file does not set it.
 fn range_of(key: &str, entry: &Entry, map: &Map, place: &Place<'_>) -> Option<&'static str> {
     let is_range = matches!(key, "range" | "bounds" | "limits" | "uniform" | "normal")
@@ -274,7 +274,7 @@ fn range_of(key: &str, entry: &Entry, map: &Map, place: &Place<'_>) -> Option<&'
         && entry.key.source == entry.node.span.source
         && entry.key.end <= entry.node.span.start;
     let mut sampled = place.kind?.params.iter().filter(|param| matches!(param.ty, Ty::Sampler(_)));
-    // A parent's value is replaced, one of the same file is kept.
+    // A value inherited from a parent may be replaced, one of the same file may not.
     let is_free = |name: &str| map.get(name).is_none_or(|node| node.span.source != entry.key.source);
     match (sampled.next(), sampled.next()) {
         (Some(param), None) if is_range && is_free(param.name) => Some(param.name),
@@ -282,14 +282,14 @@ fn range_of(key: &str, entry: &Entry, map: &Map, place: &Place<'_>) -> Option<&'
     }
 }
 
-/// E0603 for a value that is computed.
+/// E0603 for a value that is derived.
 pub fn derived(path: &str, entry: &Entry) -> Option<Diagnostic> {
     let (_, from) = DERIVED.iter().find(|(derived, _)| *derived == path)?;
     let error = Diagnostic::error("E0603", format!("`{path}` cannot be set"));
     Some(error.at(entry.key, format!("computed from {from}")).help("remove it"))
 }
 
-/// The list that a path leads through, and the path for any element of it: `links` and `links.*.joint`.
+/// The list in a path, and the path for any of its elements: `links` and `links.*.joint`.
 fn element(path: &str) -> Option<(String, String)> {
     let parts: Vec<&str> = path.split('.').collect();
     let index = parts.iter().position(|part| part.bytes().all(|letter| letter.is_ascii_digit()))?;
@@ -298,7 +298,7 @@ fn element(path: &str) -> Option<(String, String)> {
     Some((parts[..index].join("."), any.join(".")))
 }
 
-/// The table of missing keys, for messages.
+/// The table that lacks keys, for messages.
 fn whole(place: &Place<'_>) -> String {
     match (place.path, place.kind) {
         ("", _) => String::new(),
@@ -307,14 +307,14 @@ fn whole(place: &Place<'_>) -> String {
     }
 }
 
-/// Advice with a line for each missing key. What a parent of another kind said is the best guess.
+/// Advice with a line for each missing key. A parent's value, even of another kind, is the best guess.
 fn lines_to_add(params: &[&Param], map: &Map, place: &Place<'_>) -> String {
     let value = |param: &Param| {
         map.replaced.get(param.name).map_or_else(|| example(&param.ty), |(_, text)| text.clone())
     };
     let lines: Vec<String> =
         params.iter().map(|param| format!("{} = {}", param.name, value(param))).collect();
-    // Where the keys stand within the table's own place, it is written in braces.
+    // Keys within the table's own span mean that it is written inline, in braces.
     let within = |entry: &Entry| {
         let (table, key) = (place.header, entry.key);
         table.source == key.source && table.start <= key.start && key.end <= table.end
@@ -328,7 +328,7 @@ fn lines_to_add(params: &[&Param], map: &Map, place: &Place<'_>) -> String {
     }
 }
 
-/// The other kinds of the registry that have this key.
+/// The other kinds of the registry with this key.
 fn owners(key: &str, place: &Place<'_>) -> Vec<&'static str> {
     let kinds = place.registry.map_or(&[] as &[&Kind], |registry| registry.kinds);
     kinds

@@ -1,5 +1,5 @@
-//! From the spanned tree to values, by descriptors: defaults filled in, all mistakes reported, every
-//! value's place remembered. Serves spec files, robot files and motion files alike.
+//! Decodes the spanned tree into values by descriptors: fills in defaults, reports all mistakes and records
+//! the place of every value. Used for spec files, robot files and motion files alike.
 //!
 //! A failed value is poisoned: its table is left out of the result, so that one cause gives one error.
 
@@ -29,8 +29,8 @@ pub struct Decoded {
     pub marks: Marks,
 }
 
-/// Parses and decodes a document that was added to `sources`, such as a robot file. `None` when anything
-/// is wrong with it; the diagnostics are in the sink then.
+/// Parses and decodes a document in `sources`, such as a robot file. `None` if anything is wrong with it; the
+/// diagnostics are then in the sink.
 pub fn document(
     sources: &Sources,
     source: SourceId,
@@ -41,14 +41,14 @@ pub fn document(
     table(&node, params, sink)
 }
 
-/// Decodes a table by its keys. `None` when anything is wrong with it.
+/// Decodes a table by its keys. `None` if anything is wrong with it.
 pub fn table(node: &Node, params: &'static [Param], sink: &mut Sink) -> Option<Decoded> {
     let mut decoder = Decoder::new(sink);
     let table = decoder.plain(node, params, "")?;
     Some(Decoded { table, marks: decoder.marks })
 }
 
-/// [`table`] for an element of a list of tables, as `[[claim]]`: below it there are no headers of its keys.
+/// [`table`] for an element of an array such as `[[claim]]`, whose keys have no headers.
 pub fn element(node: &Node, params: &'static [Param], sink: &mut Sink) -> Option<Decoded> {
     let mut decoder = Decoder::new(sink);
     decoder.is_element = true;
@@ -75,7 +75,7 @@ pub fn kind(node: &Node, kinds: &[&'static Kind], sink: &mut Sink) -> Option<Dec
     Some(Decoded { table, marks: decoder.marks })
 }
 
-/// The value that a key has when it is not written; `None` for a key without a default.
+/// The default of a key; `None` for a key without one.
 pub fn default_value(param: &Param) -> Option<Value> {
     let Presence::Default(text) = param.presence else { return None };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
@@ -83,48 +83,48 @@ pub fn default_value(param: &Param) -> Option<Value> {
     Decoder::new(&mut sink).default(param, text, nowhere, param.name)
 }
 
-/// The kinds that may stand in a place.
+/// The kinds allowed in a place.
 #[derive(Clone, Copy, Debug)]
 pub struct Registry<'a> {
-    /// What they are, for messages: `reward term`.
+    /// Their noun for messages: `reward term`.
     pub noun: &'a str,
     /// The kinds.
     pub kinds: &'a [&'static Kind],
-    /// Keys that every kind of this place takes.
+    /// Keys that every kind of this place accepts.
     pub extra: &'static [Param],
-    /// Keys that are read elsewhere: `kind`, and `enabled` where a table can be switched off.
+    /// Keys decoded elsewhere: `kind`, and `enabled` where a table can be disabled.
     pub reserved: &'static [&'static str],
 }
 
-/// Decodes tables and keeps the places of their values.
+/// Decodes tables and records the places of their values.
 pub struct Decoder<'a> {
-    /// Takes the diagnostics.
+    /// Receives the diagnostics.
     pub sink: &'a mut Sink,
     /// The places of all values so far.
     pub marks: Marks,
     /// Paths of tables that were left out because of an error.
     pub poisoned: BTreeSet<String>,
-    /// Whether missing keys are no errors, as in an abstract parent.
+    /// Whether missing keys are allowed, as in an abstract parent.
     pub partial: bool,
-    /// Whether nothing needs the places of values, as where only mistakes are looked for.
+    /// Whether to skip recording places, when only mistakes are of interest.
     pub without_marks: bool,
-    /// Whether it is an element of a list of tables, below which its keys have no headers.
+    /// Whether this is an element of an array of tables, whose keys have no headers.
     is_element: bool,
-    /// Paths of tables whose missing keys have been told already.
+    /// Paths of tables whose missing keys have been reported already.
     pub told: BTreeSet<String>,
-    /// Special words for particular keys.
+    /// Custom messages for particular keys.
     pub wordings: &'a [Wording],
-    /// What elements of lists lack: what is said of the first of them, and of how many more it is true.
+    /// Missing keys of list elements: the diagnostic for the first, and how many more it applies to.
     lacking: BTreeMap<String, Lack>,
 }
 
-/// Missing keys that several elements of a list have in common.
+/// Keys that several elements of a list lack.
 struct Lack {
-    /// Place of the diagnostic among those of the sink.
+    /// Index of the diagnostic in the sink.
     told: usize,
-    /// What it says of the first element.
+    /// The message for the first element.
     message: String,
-    /// How many more there are.
+    /// Number of further elements.
     more: usize,
 }
 
@@ -151,8 +151,8 @@ impl<'a> Decoder<'a> {
         self.fields(map, &[params], &place)
     }
 
-    /// Decodes a table of a kind. The kind is that of the key `kind`, or the
-    /// table's own name, given with its place.
+    /// Decodes a table of a kind. The kind is given by the key `kind`, or by the table's own name with its
+    /// place.
     pub fn of_kind(
         &mut self,
         node: &Node,
@@ -179,7 +179,7 @@ impl<'a> Decoder<'a> {
         Some(table)
     }
 
-    /// Decodes the keys of a table; `None` when one of them failed.
+    /// Decodes the keys of a table; `None` if one of them failed.
     fn fields(&mut self, map: &Map, params: &[&'static [Param]], place: &keys::Place<'_>) -> Option<Table> {
         let mut table = Table::new();
         let (unknown, meant) = self.unknown_keys(map, params, place);
@@ -194,7 +194,7 @@ impl<'a> Decoder<'a> {
                 }
                 (None, Presence::Optional) => continue,
                 (None, Presence::Default(text)) => self.default(param, text, place.header, &path),
-                // The misspelt key has been told: once it is mended, the key is there.
+                // Its misspelling was reported already; fixing that adds the key.
                 (None, Presence::Required) if meant.contains(param.name) => None,
                 (None, Presence::Required) => {
                     missing.push(param);
@@ -215,7 +215,7 @@ impl<'a> Decoder<'a> {
         sound.then_some(table)
     }
 
-    /// Decodes a default, which stands nowhere: its place is the table that lacks the key.
+    /// Decodes a default. It has no place of its own, so its place is the table that lacks the key.
     fn default(&mut self, param: &Param, text: &str, header: Span, path: &str) -> Option<Value> {
         let mut node =
             crate::syntax::parse_value(text, header.source, 0).expect("a descriptor's default is TOML");
@@ -278,7 +278,7 @@ impl<'a> Decoder<'a> {
         values.into_iter().collect::<Option<Vec<_>>>().map(Value::List)
     }
 
-    /// Decodes a table of freely named values.
+    /// Decodes a table with user-defined keys.
     fn named(&mut self, item: &Ty, node: &Node, param: &Param, path: &str) -> Option<Value> {
         let map = self.expect_table(node, path, &[])?;
         let mut values = Vec::with_capacity(map.entries.len());
@@ -290,7 +290,7 @@ impl<'a> Decoder<'a> {
         values.into_iter().collect::<Option<Table>>().map(Value::Table)
     }
 
-    /// The table of a node that has these keys, or E0103.
+    /// The node as a table with these keys, or E0103.
     fn expect_table<'n>(&mut self, node: &'n Node, path: &str, params: &[Param]) -> Option<&'n Map> {
         if node.table().is_none() {
             let message = format!("`{path}` must be a table, found {}", node.describe());
@@ -302,7 +302,7 @@ impl<'a> Decoder<'a> {
                 false => format!("write a table: `[{path}]`"),
             };
             let error = Diagnostic::error("E0103", message).at(node.span, "not a table").help(help);
-            // A term that is switched on or off like a flag.
+            // A term that is enabled or disabled like a flag.
             self.sink.emit(match (&node.item, path.contains('.')) {
                 (Item::Flag(true), true) => error.fix(node.span, "{}"),
                 (Item::Flag(false), true) => error.fix(node.span, "{ enabled = false }"),
@@ -313,7 +313,7 @@ impl<'a> Decoder<'a> {
         node.table()
     }
 
-    /// Remembers the place of a value.
+    /// Records the place of a value.
     pub fn mark(&mut self, path: &str, key: Span, node: &Node) {
         if self.without_marks {
             return;
@@ -324,7 +324,7 @@ impl<'a> Decoder<'a> {
     }
 }
 
-/// E0103 for a list of too few or too many items.
+/// E0103 for a list with too few or too many items.
 fn wrong_length(length: Length, found: usize, (item, node): (&Ty, &Node), param: &Param) -> Diagnostic {
     let found = if found == 0 { "none".to_owned() } else { found.to_string() };
     let message = format!("`{}` takes a list of {length}, found {found}", param.name);
@@ -339,8 +339,8 @@ fn wrong_length(length: Length, found: usize, (item, node): (&Ty, &Node), param:
     Diagnostic::error("E0103", message).at(node.span, "wrong length").help(help)
 }
 
-/// Whether a node is a single value, a distribution or a default: what is printed as one. The texts of whole
-/// sections and of a robot's links would be written for nobody.
+/// Whether a node is a single value, a distribution or a default, which is printed as one. The texts of whole
+/// sections and of a robot's links are never needed.
 fn is_single(node: &Node) -> bool {
     match &node.item {
         _ if node.layer == Layer::Default => true,

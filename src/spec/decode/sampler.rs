@@ -1,5 +1,5 @@
-//! The one sampler type: a plain value, or `{ uniform = [a, b] }`, `{ normal = [mean, std] }`,
-//! `{ log_uniform = [a, b] }`, `{ choice = [...] }`.
+//! The sampler type: a plain value, or `{ uniform = [a, b] }`, `{ normal = [mean, std] }`, `{ log_uniform =
+//! [a, b] }`, `{ choice = [...] }`.
 
 use super::scalar;
 use crate::diag::Diagnostic;
@@ -9,7 +9,7 @@ use crate::spec::suggest::{listed, nearest};
 use crate::spec::{Param, Quantity, Sampler, Value};
 use crate::syntax::{Item, Map, Node};
 
-/// Decodes a sampler of a dimension. A plain value stays a quantity, with its author's text.
+/// Decodes a sampler of a dimension. A plain value remains a quantity with its original text.
 pub fn decode(dimension: Dimension, node: &Node, param: &Param) -> Result<Value, Diagnostic> {
     if let Item::List(items) = &node.item {
         return Err(without_distribution(items, dimension, node, param));
@@ -51,7 +51,7 @@ pub fn decode(dimension: Dimension, node: &Node, param: &Param) -> Result<Value,
     Ok(Value::Sampler(sampler))
 }
 
-/// E0103 for a list without the name of a distribution. Two numbers are the ends of a range.
+/// E0103 for a list without a distribution. Two numbers are taken as the ends of a range.
 fn without_distribution(items: &[Node], dimension: Dimension, node: &Node, param: &Param) -> Diagnostic {
     let message = format!("`{}` takes {} or a distribution, found a list", param.name, dimension.name());
     let error = Diagnostic::error("E0103", message).at(node.span, "which distribution?");
@@ -67,7 +67,7 @@ fn without_distribution(items: &[Node], dimension: Dimension, node: &Node, param
     }
 }
 
-/// The distribution that two parameters mean in the words of other libraries: `{ min = 0.5, max = 1.25 }`.
+/// The distribution that two parameters describe in other libraries: `{ min = 0.5, max = 1.25 }`.
 fn in_other_words(map: &Map) -> Option<String> {
     const WORDS: [(&str, &str, &str); 6] = [
         ("min", "max", "uniform"),
@@ -83,7 +83,7 @@ fn in_other_words(map: &Map) -> Option<String> {
     WORDS.iter().find_map(of).filter(|_| map.entries.len() == 2)
 }
 
-/// Whether a table is written in braces, so that it can be replaced where it stands.
+/// Whether a table is inline, so that an edit can replace it.
 fn is_inline(map: &Map, node: &Node) -> bool {
     let table = node.span;
     map.entries.values().all(|entry| {

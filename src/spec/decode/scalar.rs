@@ -33,7 +33,7 @@ pub fn decode(ty: &Ty, node: &Node, param: &Param) -> Result<Value, Diagnostic> 
     }
 }
 
-/// E0103, with the edit when it is obvious.
+/// E0103, with an edit if the fix is obvious.
 fn wrong_type(ty: &Ty, node: &Node, param: &Param) -> Diagnostic {
     let message = format!("`{}` takes {}, found {}", param.name, describe(ty), node.describe());
     let error = Diagnostic::error("E0103", message).at(node.span, "wrong type");
@@ -49,7 +49,7 @@ fn wrong_type(ty: &Ty, node: &Node, param: &Param) -> Diagnostic {
     }
 }
 
-/// A value that the key takes: of a number its default, or one in its range.
+/// A valid value of the key: for a number its default, or one in its range.
 fn example_of(ty: &Ty, param: &Param) -> String {
     match (ty, &param.presence, param.range) {
         (Ty::Count | Ty::Number, Presence::Default(default), _) => (*default).to_owned(),
@@ -60,7 +60,7 @@ fn example_of(ty: &Ty, param: &Param) -> String {
     }
 }
 
-/// `true` or `false`, for a word or a number that stands for it in other formats: `yes`, `off`, `1`.
+/// `true` or `false` for a word or a number with that meaning in other formats: `yes`, `off`, `1`.
 pub fn flag_of(node: &Node) -> Option<&'static str> {
     let word = match &node.item {
         Item::Text(text) => text.trim().to_ascii_lowercase(),
@@ -127,7 +127,8 @@ fn count(ty: &Ty, node: &Node, param: &Param) -> Result<Value, Diagnostic> {
     Err(error.help("counts are whole numbers such as `16384`, `\"200 k\"` or `\"80 M\"`"))
 }
 
-/// A number such as `2.0` or `1e6` without its point or exponent, if it is a count that fits a double exactly.
+/// A number such as `2.0` or `1e6` without point or exponent, if it is a count that a double represents
+/// exactly.
 fn without_fraction(node: &Node) -> Option<String> {
     let Item::Number(number) = &node.item else { return None };
     let value = number.value;
@@ -147,7 +148,7 @@ fn whole(number: &Number) -> Result<u64, CountError> {
     }
 }
 
-/// A count below zero, or beyond what is counted at all (E0204).
+/// A negative or too large count (E0204).
 fn uncountable(value: f64, node: &Node, param: &Param) -> Diagnostic {
     let Err(diagnostic) = in_range(value, Dimension::NONE, node, param) else {
         let message = format!("`{}` is out of range: {}", param.name, quantity::written(&node.toml()));
@@ -178,7 +179,7 @@ fn not_finite(span: Span, param: &Param) -> Diagnostic {
         .help("write a finite number")
 }
 
-/// A quantity of a dimension. A pure number stands bare, or as a percentage.
+/// A quantity of a dimension. A dimensionless number is bare or a percentage.
 pub fn quantity(dimension: Dimension, node: &Node, param: &Param) -> Result<Quantity, Diagnostic> {
     if dimension == Dimension::NONE && !matches!(&node.item, Item::Text(text) if text.contains('%')) {
         return bare(node, param);
@@ -202,7 +203,7 @@ fn ratio(reference: &str, node: &Node, param: &Param) -> Result<Value, Diagnosti
     };
     let missing = |number: &str, value: f64| {
         let factor = quantity::print_ratio(value);
-        // Up to 1 it was a factor, beyond it most likely a percentage.
+        // Up to 1 it was probably a factor, above 1 a percentage.
         let (written, other) = if value.abs() <= 1.0 {
             (factor, String::new())
         } else {
@@ -291,12 +292,12 @@ fn explain(
     }
 }
 
-/// The place of a part of a string value. Strings with escapes, and defaults, have no finer place.
+/// The place of a part of a string value. For strings with escapes, and for defaults, that of the whole.
 fn inside(node: &Node, text: &str, range: Range<usize>) -> Span {
     part(node.span, text, range)
 }
 
-/// The place of a part of a string value that stands at `span`.
+/// The place of a part of a string value whose place is `span`.
 pub fn part(span: Span, text: &str, range: Range<usize>) -> Span {
     let quote = match (span.end - span.start).checked_sub(text.len()) {
         Some(0) => 0,
@@ -307,7 +308,7 @@ pub fn part(span: Span, text: &str, range: Range<usize>) -> Span {
     Span { start: start + range.start, end: start + range.end, ..span }
 }
 
-/// The bounds of a key (E0204).
+/// Checks the bounds of a key (E0204).
 pub fn in_range(si: f64, dimension: Dimension, node: &Node, param: &Param) -> Result<(), Diagnostic> {
     let Some((low, high)) = param.range.filter(|_| !bounds::holds(param, si)) else { return Ok(()) };
     let (written, side) = (node.toml(), if si < low { "below" } else { "above" });

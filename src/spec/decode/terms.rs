@@ -1,5 +1,4 @@
-//! Named terms: tables that are of the kind of their name unless they say otherwise, and that can be switched
-//! off.
+//! Named terms: tables whose kind defaults to their name, and which can be disabled.
 
 use super::{Decoder, Registry, scalar};
 use crate::diag::{Diagnostic, Span};
@@ -8,19 +7,19 @@ use crate::spec::suggest::{nearest, safe_name};
 use crate::spec::{Table, Value};
 use crate::syntax::{Entry, Item, Map, Node};
 
-/// Keys of a term that are read here.
+/// Keys of a term that are decoded here.
 pub const RESERVED: &[&str] = &["kind", "enabled"];
 
-/// Most terms of a section; each is checked with every profile.
+/// Maximum number of terms of a section; each is checked with every profile.
 const MOST: usize = 1000;
 
-/// Whether a term can be called by a name: in a path of `--set`, and bare in a table of TOML.
+/// Whether a name is valid for a term: in a path of `--set`, and as a bare TOML key.
 fn is_name(name: &str) -> bool {
     !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'))
 }
 
 impl Decoder<'_> {
-    /// Decodes named terms. Terms that are switched off, and terms that failed, are left out.
+    /// Decodes named terms. Terms that are disabled or that failed are left out.
     pub fn terms(&mut self, node: &Node, registry: &Registry<'_>, path: &str) -> Option<Table> {
         let Some(map) = node.table() else {
             let message = format!("`{path}` must be a table of named terms, found {}", node.describe());
@@ -75,7 +74,7 @@ impl Decoder<'_> {
         Some(terms)
     }
 
-    /// Whether a table is switched on; `None` when it does not say so with a boolean.
+    /// Whether a table is enabled; `None` if the value is not a boolean.
     pub fn enabled(&mut self, node: &Node, path: &str) -> Option<bool> {
         match node.table().and_then(|map| map.get("enabled")).map(|node| (&node.item, node)) {
             None => Some(true),
@@ -93,8 +92,8 @@ impl Decoder<'_> {
         }
     }
 
-    /// Checks what is written in a table that is switched off as if it were on: a profile may switch it on
-    /// again, and a mistake is one either way. Only what it lacks is none.
+    /// Checks a disabled table as if it were enabled, since a profile may enable it and a mistake is one
+    /// either way. Only missing keys are allowed.
     pub fn switched_off(
         &mut self,
         node: &Node,
@@ -102,7 +101,7 @@ impl Decoder<'_> {
         path: &str,
         name: Option<(&str, Span)>,
     ) {
-        // An abstract parent may switch off what only its children have, and their kind is not known here.
+        // An abstract parent may disable a term that only its children define, so its kind is unknown here.
         let has_kind = node.table().is_some_and(|map| map.get("kind").is_some())
             || name.is_none_or(|(name, _)| registry.kinds.iter().any(|kind| kind.name == name));
         if self.partial && !has_kind {
@@ -112,14 +111,14 @@ impl Decoder<'_> {
         decoder.of_kind(node, registry, path, name);
     }
 
-    /// Whether nothing but the switch of a term is written, and there is no parent that says more.
+    /// Whether only `enabled` is written and no parent defines the term.
     fn is_news(&self, node: &Node) -> bool {
         let is_switch = |key: &String| matches!(key.as_str(), "enabled" | "kind");
         !self.partial
             && node.table().is_some_and(|term| !term.inherited && term.entries.keys().all(is_switch))
     }
 
-    /// Reports a term that is switched off and was never on (E0605).
+    /// Reports a term that is disabled but was never defined (E0605).
     fn was_never_on(&mut self, noun: &str, map: &Map, (name, entry): (&str, &Entry)) {
         if self.sink.is_full("E0605") {
             return;

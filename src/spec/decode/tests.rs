@@ -48,7 +48,7 @@ fn codes(text: &str) -> Vec<&'static str> {
     decoded(text).expect_err("has mistakes").iter().map(|diagnostic| diagnostic.code).collect()
 }
 
-/// The only diagnostic of a line beside a sound `rate`, and the text that it points to.
+/// The only diagnostic of a line next to a valid `rate`, and the text that it points to.
 fn mistake(line: &str) -> (Diagnostic, String) {
     let text = format!("rate = \"1 Hz\"\n{line}\n");
     let mut diagnostics = decoded(&text).expect_err("has a mistake");

@@ -14,7 +14,7 @@ use crate::syntax::{Entry, Item, Map, Node};
 pub struct Axis {
     /// Its name.
     pub name: String,
-    /// Where its name stands.
+    /// Place of its name.
     pub place: Span,
     /// The path that it assigns, for an axis of `path` and `values`.
     pub path: Option<String>,
@@ -23,7 +23,7 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// Decodes `[sweep.NAME]`. `None` when anything is wrong with it.
+    /// Decodes `[sweep.NAME]`. `None` if anything is wrong with it.
     pub fn decode(name: &str, entry: &Entry, sink: &mut Sink) -> Option<Self> {
         let Some(map) = entry.node.table() else {
             let advice =
@@ -128,18 +128,18 @@ fn values(name: &str, map: &Map, entry: &Entry, sink: &mut Sink) -> Option<(Opti
     Some((Some(keys.join(".")), points))
 }
 
-/// Two points of one name.
+/// Two points with the same name.
 fn repeated(points: &[Point]) -> Option<(&Point, &Point)> {
     pair(points, |point| &point.name)
 }
 
-/// Two points of the same parents and assignments: their arms would be the same.
+/// Two points with the same parents and assignments, so that their arms would be identical.
 fn alike(points: &[Point]) -> Option<(&Point, &Point)> {
     let parents = |point: &Point| point.extends.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
     pair(points, |point| (point.values(), parents(point)))
 }
 
-/// The first point that is the same in some way as an earlier one, after that one.
+/// The first point with the same key as an earlier one, preceded by that one.
 fn pair<'a, K: Ord>(points: &'a [Point], key: impl Fn(&'a Point) -> K) -> Option<(&'a Point, &'a Point)> {
     let mut known: BTreeMap<K, &Point> = BTreeMap::new();
     points.iter().find_map(|point| match known.entry(key(point)) {
@@ -165,7 +165,7 @@ fn path(node: &Node, sink: &mut Sink) -> Option<Vec<(String, Span)>> {
         sink.emit(error.help("join keys by dots: `action.stiffness`"));
         return None;
     }
-    // The opening quote stands before the first key.
+    // The opening quote comes before the first key.
     let mut at = node.span.start + 1;
     let keys = text.split('.').map(|key| {
         let place = Span { start: at, end: at + key.len(), ..node.span };

@@ -1,4 +1,4 @@
-//! Takes a suite's file apart: what is about the suite itself, and what is assigned to all its arms.
+//! Splits a suite's file into what concerns the suite itself and what is assigned to all arms.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use crate::spec::suggest::{listed, nearest};
 use crate::spec::{LoadOptions, Vocabulary};
 use crate::syntax::{Entry, Item, Layer, Map, Node};
 
-/// Keys of a suite that no spec has, beside `suite` itself.
+/// Keys of a suite that specs do not have, in addition to `suite` itself.
 const OWN: &[&str] = &["sweep", "claim", "claims"];
 
 /// The parts of a suite's file.
@@ -30,7 +30,7 @@ pub struct Parts {
     pub report: Option<Entry>,
 }
 
-/// Takes a suite apart.
+/// Splits a suite.
 pub fn split(file: &Member, options: &LoadOptions, vocabulary: &Vocabulary, sink: &mut Sink) -> Parts {
     let mut body = file.body.clone();
     let sweep = body.entries.remove("sweep");
@@ -81,7 +81,7 @@ fn policy(node: &Node, sink: &mut Sink) -> Option<ClaimPolicy> {
     }
 }
 
-/// Takes `sweep` and `claims` out of all profiles; gives those of the chosen one.
+/// Removes `sweep` and `claims` from all profiles; returns those of the chosen one.
 fn profiles(body: &mut Map, chosen: Option<&str>, sink: &mut Sink) -> (Option<Node>, Option<ClaimPolicy>) {
     let (mut seeds, mut of_profile) = (None, None);
     let profiles = body.entries.get_mut("profile").and_then(|entry| entry.node.table_mut());
@@ -101,7 +101,7 @@ fn profiles(body: &mut Map, chosen: Option<&str>, sink: &mut Sink) -> (Option<No
     (seeds, of_profile)
 }
 
-/// `sweep` of a profile has `seeds` and nothing else: its arms are the same under every profile.
+/// Only `seeds` is allowed in `sweep` of a profile: the arms are the same under every profile.
 fn only_seeds(profile: &str, entry: Entry, sink: &mut Sink) -> Option<Node> {
     let Item::Table(mut map) = entry.node.item else {
         sink.emit(wrong_type("sweep", "a table", &entry.node));
@@ -120,7 +120,7 @@ fn only_seeds(profile: &str, entry: Entry, sink: &mut Sink) -> Option<Node> {
     })
 }
 
-/// Reports keys that neither a suite nor a spec has, and drops them: no arm shall report them again.
+/// Reports keys unknown to suites and specs, and drops them so that arms do not report them again.
 fn unknown_keys(body: &mut Map, vocabulary: &Vocabulary, sink: &mut Sink) {
     let spec_only = ["name", "abstract"];
     let header = HEADER.iter().copied().filter(|key| !spec_only.contains(key));

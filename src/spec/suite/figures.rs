@@ -1,29 +1,28 @@
-//! The figures that a suite's report can have, and how one is named in `report.figures`: `"survival_grid"`,
-//! or with what it is about after a colon, `"metric_grid:evaluate.nominal.speed_error"`. Knows no drawing and
-//! no metric.
+//! The figures of a suite's report and their syntax in `report.figures`: `"survival_grid"`, or with an
+//! argument after a colon, `"metric_grid:evaluate.nominal.speed_error"`. Independent of drawing and metrics.
 
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::spec::suggest::{listed, nearest};
 use crate::syntax::Node;
 
-/// What may stand after a figure's name.
+/// The argument allowed after a figure's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum About {
     /// Nothing.
     Nothing,
-    /// A training, `learn` or `fine_tune`; without it the first.
+    /// A training, `learn` or `fine_tune`; the first if omitted.
     Training,
-    /// A metric of an evaluation; it must.
+    /// A metric of an evaluation; required.
     Metric,
-    /// A metric of an evaluation; without it the report chooses.
+    /// A metric of an evaluation; chosen by the report if omitted.
     MetricOrNothing,
-    /// An evaluation; without it the report chooses.
+    /// An evaluation; chosen by the report if omitted.
     Stage,
-    /// Two evaluations with a comma between; without them the report chooses.
+    /// Two evaluations separated by a comma; chosen by the report if omitted.
     TwoStages,
 }
 
-/// Every figure with what it takes, sorted by name.
+/// Every figure with its argument, sorted by name.
 pub const FIGURES: &[(&str, About)] = &[
     ("ankle_torque", About::TwoStages),
     ("claims", About::Nothing),
@@ -37,17 +36,17 @@ pub const FIGURES: &[(&str, About)] = &[
     ("survival_grid", About::Stage),
 ];
 
-/// A figure that a suite asks for.
+/// A figure requested by a suite.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Wanted {
     /// Its name.
     pub name: String,
-    /// What it is about: stages, the metric behind the last one; empty when the report chooses.
+    /// Its argument: stages, the last one followed by the metric; empty if the report chooses.
     pub about: Vec<String>,
 }
 
 impl Wanted {
-    /// Takes a figure's name and what it is about apart.
+    /// Splits a figure's name from its argument.
     pub fn parse(text: &str) -> Self {
         let (name, about) = text.split_once(':').unwrap_or((text, ""));
         let about =
@@ -55,13 +54,13 @@ impl Wanted {
         Self { name: name.trim().to_owned(), about }
     }
 
-    /// What it takes; `None` when there is no figure of the name.
+    /// The argument it takes; `None` for an unknown figure.
     pub fn takes(&self) -> Option<About> {
         FIGURES.iter().find(|(name, _)| *name == self.name).map(|(_, about)| *about)
     }
 }
 
-/// E0301 for a figure that a suite's report cannot have, E0103 for one that is about too little or too much.
+/// E0301 for an unknown figure, E0103 for a missing or superfluous argument.
 pub(super) fn known(node: &Node, sink: &mut Sink) -> Option<(Wanted, Span)> {
     let wanted = Wanted::parse(node.text()?);
     let Some(takes) = wanted.takes() else {

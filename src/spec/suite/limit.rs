@@ -1,4 +1,4 @@
 //! The limit on the size of a suite.
 
-/// More arms are a mistake, and so are more runs.
+/// Maximum number of arms, and of runs.
 pub const MOST: usize = 1_000;

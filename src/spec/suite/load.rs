@@ -19,35 +19,35 @@ use crate::spec::typed::{InSection, Keys};
 use crate::spec::{LoadOptions, NamedSpec, Shape, Table, Value, Vocabulary};
 use crate::syntax::{Entry, Files, Item, Layer, Map, Node, merge};
 
-/// The template of a suite that names none.
+/// The template of a suite that does not name one.
 const TEMPLATE: &str = "comparison.md.j2";
 
-/// A suite and its arms, with what was found.
+/// A suite and its arms, with their diagnostics.
 #[derive(Clone, Debug, Default)]
 pub struct LoadedSuite {
     /// All texts, for diagnostics.
     pub sources: Sources,
     /// What was found in the suite itself.
     pub sink: Sink,
-    /// The suite; absent when its file could not be understood. With mistakes in its sweep, which `grasp` tells,
-    /// the arms are those of the rest.
+    /// The suite; absent if its file is invalid. If its sweep has mistakes (see `grasp`), the arms are those
+    /// of the valid part.
     pub suite: Option<Suite>,
     /// Its arms in the order of the sweep.
     pub arms: Vec<LoadedArm>,
 }
 
-/// An arm with what was found in it.
+/// An arm with its diagnostics.
 #[derive(Clone, Debug)]
 pub struct LoadedArm {
     /// The arm.
     pub arm: Arm,
-    /// The files that it was put together from, which other arms may share.
+    /// The files that make it up; other arms may share them.
     pub family: Arc<Family>,
-    /// The findings in its spec, which other arms may share.
+    /// The diagnostics of its spec; other arms may share them.
     pub sink: Sink,
 }
 
-/// Loads a suite. Every mistake that can be found without knowing robots is in a sink.
+/// Loads a suite. All mistakes that can be found without robots are in a sink.
 pub fn load(files: &dyn Files, path: &Path, options: &LoadOptions, vocabulary: &Vocabulary) -> LoadedSuite {
     let mut loading = Loading::new(files, path, options, vocabulary);
     let (suite, arms) = match suite(path, &mut loading) {
@@ -77,7 +77,7 @@ fn suite(path: &Path, loading: &mut Loading<'_>) -> Option<(Suite, Vec<LoadedArm
         }
     };
     let of_arms = sweep.leaves_alone(of_arms, &mut loading.sink);
-    // With a mistake in the sweep, an empty one follows from it.
+    // If the sweep has a mistake, an empty product is only a consequence.
     let mut unheard = Sink::default();
     let certain = sweep.grasp == Grasp::Full;
     let cells = sweep.cells(if certain { &mut loading.sink } else { &mut unheard });
@@ -116,7 +116,7 @@ fn suite(path: &Path, loading: &mut Loading<'_>) -> Option<(Suite, Vec<LoadedArm
     Some((suite, arms))
 }
 
-/// The assignments of the command line, those to the suite itself apart from those to its arms.
+/// The assignments of the command line, split into those to the suite and those to its arms.
 fn assignments(loading: &mut Loading<'_>, parts: &Parts) -> (Map, Vec<Map>) {
     let (mut of_suite, mut of_arms) = (Map::default(), Vec::new());
     for map in loading.sets() {
@@ -142,7 +142,7 @@ fn assignments(loading: &mut Loading<'_>, parts: &Parts) -> (Map, Vec<Map>) {
     (of_suite, of_arms)
 }
 
-/// E0604: of a sweep, only the seeds can be set.
+/// E0604: of a sweep only the seeds can be set.
 fn only_seeds(entry: &Entry, sink: &mut Sink) {
     let keys = entry.node.table().into_iter().flat_map(|map| &map.entries);
     let other =
@@ -154,7 +154,7 @@ fn only_seeds(entry: &Entry, sink: &mut Sink) {
     }
 }
 
-/// The section `[report]`, and what it names.
+/// The section `[report]` and what it names.
 struct Report {
     /// Decoded.
     table: Table,
@@ -214,8 +214,8 @@ fn baselines_of(node: &Node, suite: &Path, sources: &Sources) -> Vec<NamedSpec> 
     items.iter().filter_map(named).collect()
 }
 
-/// Several lists of parents make the same mistakes: each is told once. Where only some arms lack the chosen
-/// profile, the others' is the cure.
+/// Several lists of parents have the same mistakes: report each once. If only some arms lack the chosen
+/// profile, suggest those of the others.
 fn once(profiles: &[String], sink: &mut Sink) {
     let mut kept: Vec<Diagnostic> = Vec::new();
     for mut found in std::mem::take(&mut sink.diagnostics) {
@@ -232,7 +232,7 @@ fn once(profiles: &[String], sink: &mut Sink) {
     sink.diagnostics = kept;
 }
 
-/// The merged parents of the arms, each list of parents once.
+/// The merged parents of the arms, one entry per list of parents.
 struct Bases<'a> {
     path: &'a Path,
     parts: &'a Parts,
@@ -240,7 +240,7 @@ struct Bases<'a> {
 }
 
 impl Bases<'_> {
-    /// Merges the parents of every cell; gives the names of all profiles.
+    /// Merges the parents of every cell; returns the names of all profiles.
     fn all(&mut self, sweep: &Sweep, cells: &[Cell], loading: &mut Loading<'_>) -> Vec<String> {
         for cell in cells {
             let key = self.parents(sweep, cell);
@@ -256,7 +256,7 @@ impl Bases<'_> {
         profiles
     }
 
-    /// What an arm extends, which is what makes its base.
+    /// The parents of an arm, which identify its base.
     fn parents(&self, sweep: &Sweep, cell: &Cell) -> Vec<String> {
         self.extended(sweep, cell).into_iter().map(|(name, _)| name).collect()
     }
@@ -283,7 +283,7 @@ impl Bases<'_> {
         }
         let mut family = Family::of_parents(self.path, &parents, &mut loading.desk());
         family.incomplete |= self.parts.member.header.lost_parent || sweep.grasp == Grasp::Part;
-        // A suite has one report; those of its specs are for running them alone.
+        // A suite has one report; those of its specs apply only when they run alone.
         for member in &mut family.members {
             if member.body.entries.contains_key("report") {
                 Arc::make_mut(member).body.entries.remove("report");
@@ -327,9 +327,8 @@ fn arm(
     LoadedArm { arm: Arm { name, points: pairs, experiment }, family: Arc::new(base.family.clone()), sink }
 }
 
-/// The axes of one path that say nothing in this arm: `exclude` left them one point there, and the key is one
-/// of another kind than the arm has. `stiffness` does not vary, and does not exist, where `control` is
-/// torque.
+/// The axes of one path without effect in this arm: `exclude` left them one point, and the key belongs to
+/// another kind than the arm has. For example, `stiffness` does not exist where `control` is torque.
 fn idle(sweep: &Sweep, cell: &Cell, base: &Merged, loading: &Loading<'_>) -> Vec<usize> {
     let candidate = |axis: &usize| {
         cell.alone[*axis] && sweep.axes[*axis].path.is_some() && sweep.axes[*axis].points.len() > 1
@@ -349,7 +348,7 @@ fn idle(sweep: &Sweep, cell: &Cell, base: &Merged, loading: &Loading<'_>) -> Vec
     candidates.into_iter().filter(foreign).collect()
 }
 
-/// Whether a key is one of another kind of its section than the present one.
+/// Whether a key belongs to another kind of its section than the present one.
 fn is_of_another_kind(path: &str, root: &Map, vocabulary: &Vocabulary) -> bool {
     let mut keys = path.split('.');
     let (Some(section), Some(key)) = (keys.next(), keys.next()) else { return false };

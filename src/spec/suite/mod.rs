@@ -1,8 +1,8 @@
-//! Suites: one TOML file (`suite = "..."` in place of `name`) that multiplies specs over the axes of a sweep,
-//! and what it is expected to show. Knows trees, places and names; what a kind does and what a run costs are
-//! not known here.
+//! Suites: one TOML file (`suite = "..."` in place of `name`) that multiplies specs over the axes of a sweep
+//! and states what they should show. Works on trees, places and names, independent of the behaviour of kinds
+//! and the cost of runs.
 //!
-//! An arm is a combination of points, one of each axis; a run is an arm with a learning seed.
+//! An arm is a combination of one point per axis; a run is an arm with a learning seed.
 
 pub mod axis;
 mod body;
@@ -28,7 +28,7 @@ pub use point::Point;
 pub use selection::Pattern;
 pub use sweep::Sweep;
 
-/// What a failed claim does to a run.
+/// The effect of a failed claim on a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ClaimPolicy {
     /// It is reported.
@@ -45,23 +45,23 @@ pub struct Suite {
     pub path: PathBuf,
     /// Its text.
     pub source: SourceId,
-    /// Its name, which is also its report's.
+    /// Its name, also that of its report.
     pub name: String,
-    /// What it is about, in one sentence.
+    /// A one-sentence summary.
     pub summary: String,
-    /// Where its name is given.
+    /// Place of its name.
     pub place: Span,
     /// The sweep, under the chosen profile.
     pub sweep: Sweep,
-    /// The tables `[[claim]]`, in order; they are decoded where they are checked.
+    /// The tables `[[claim]]`, in order; decoded when they are checked.
     pub claims: Vec<Node>,
-    /// What a failed claim does, under the chosen profile.
+    /// The effect of a failed claim under the chosen profile.
     pub policy: ClaimPolicy,
     /// The decoded section `[report]`.
     pub report: Table,
-    /// The specs that its page compares the arms' values with.
+    /// The specs that the report compares the arms' values with.
     pub baselines: Vec<NamedSpec>,
-    /// The figures that it names, with their places.
+    /// The figures requested, with their places.
     pub figures: Vec<(Wanted, Span)>,
     /// The chosen profile.
     pub profile: Option<String>,
@@ -69,10 +69,10 @@ pub struct Suite {
     pub profiles: Vec<String>,
 }
 
-/// An arm: a spec with the points of one combination laid over it.
+/// An arm: a spec with the points of one combination applied.
 #[derive(Clone, Debug)]
 pub struct Arm {
-    /// `control=torque,stiffness=100 %`; the suite's name when there are no axes.
+    /// `control=torque,stiffness=100 %`; the suite's name if there are no axes.
     pub name: String,
     /// Axis and point, in the order of the axes.
     pub points: Vec<(String, String)>,

@@ -1,4 +1,4 @@
-//! A point of an axis: parents and assignments under a name.
+//! A point of an axis: named parents and assignments.
 
 use super::wrong_type;
 use crate::diag::{Diagnostic, Sink, Span};
@@ -12,7 +12,7 @@ use crate::syntax::{Entry, Item, Layer, Map, Node};
 pub struct Point {
     /// Its name: the key of its table, or its value as written.
     pub name: String,
-    /// Where the name stands.
+    /// Place of the name.
     pub place: Span,
     /// Specs that its arms extend, as written, relative to the suite.
     pub extends: Vec<(String, Span)>,
@@ -50,7 +50,7 @@ impl Point {
         (wrong.is_empty() && sound).then_some(point)
     }
 
-    /// A point of an axis with `path` and `values`: this value at that path, each key of which has a place.
+    /// A point of an axis with `path` and `values`: this value at that path, given the place of each key.
     pub fn value(path: &[(String, Span)], value: &Node, sink: &mut Sink) -> Option<Self> {
         let name = written(value);
         let mut node = value.clone();
@@ -71,23 +71,23 @@ impl Point {
         sound.then_some(Self { name, place: value.span, extends: Vec::new(), assigns })
     }
 
-    /// The paths of the values that it assigns, and where their keys stand.
+    /// The paths of the values that it assigns, and the places of their keys.
     pub fn paths(&self) -> Vec<(String, Span)> {
         paths(&self.assigns)
     }
 
-    /// The values that it assigns, by path, as they are written.
+    /// The values that it assigns, by path, as written.
     pub fn values(&self) -> Vec<(String, String)> {
         leaves(&self.assigns).into_iter().map(|(path, entry)| (path, entry.node.toml())).collect()
     }
 }
 
-/// The paths of the values of a tree of assignments, and where their keys stand.
+/// The paths of the values of a tree of assignments, and the places of their keys.
 pub fn paths(assigns: &Map) -> Vec<(String, Span)> {
     leaves(assigns).into_iter().map(|(path, entry)| (path, entry.key)).collect()
 }
 
-/// The values of a tree of assignments by path; an empty table is one.
+/// The values of a tree of assignments by path; an empty table counts as one.
 fn leaves(assigns: &Map) -> Vec<(String, &Entry)> {
     fn collect<'a>(map: &'a Map, path: &str, found: &mut Vec<(String, &'a Entry)>) {
         for (key, entry) in &map.entries {
@@ -103,12 +103,12 @@ fn leaves(assigns: &Map) -> Vec<(String, &Entry)> {
     found
 }
 
-/// A value as a name: a text without quotes, everything else as it was written.
+/// A value as a name: strings without quotes, everything else as written.
 pub fn written(node: &Node) -> String {
     node.text().map_or_else(|| node.toml(), str::to_owned)
 }
 
-/// Whether assignments are about an arm: the report is the suite's.
+/// Whether assignments concern an arm: the report belongs to the suite.
 fn of_an_arm(assigns: &Map, sink: &mut Sink) -> bool {
     let Some(entry) = assigns.entries.get("report") else { return true };
     let error = Diagnostic::error("E0603", "`report` cannot be set by a point")

@@ -1,5 +1,5 @@
-//! The combinations of a sweep: axes multiply in the order of the file, zipped ones go together, and patterns
-//! choose.
+//! The combinations of a sweep: axes multiply in the order of the file, zipped axes advance together, and
+//! patterns select.
 
 use super::limit::MOST;
 use super::{Pattern, Sweep};
@@ -10,17 +10,17 @@ use crate::diag::{Diagnostic, Sink};
 pub struct Cell {
     /// By axis.
     pub points: Vec<usize>,
-    /// For each axis, whether no other cell differs from this one in that axis alone.
+    /// For each axis, whether no other cell differs from this one in that axis only.
     pub alone: Vec<bool>,
 }
 
 impl Sweep {
-    /// All combinations that are taken. E0703 when there are none.
+    /// All selected combinations. E0703 if there are none.
     pub fn cells(&self, sink: &mut Sink) -> Vec<Cell> {
         let groups = self.groups();
         let count =
             groups.iter().try_fold(1_usize, |all, group| all.checked_mul(self.axes[group[0]].points.len()));
-        // Counted before anything is made of them.
+        // Counted before any is created.
         if count.is_none_or(|count| count > MOST) {
             let error = Diagnostic::error("E0204", format!("the sweep has more than {MOST} combinations"));
             sink.emit(error.at(self.place, "all its axes multiplied").help("split the suite"));
@@ -55,7 +55,7 @@ impl Sweep {
         all.into_iter().enumerate().map(cell).collect()
     }
 
-    /// The axes that vary together, in the order of the file; most stand alone.
+    /// The groups of axes that vary together, in the order of the file; most have one axis.
     fn groups(&self) -> Vec<Vec<usize>> {
         let zipped = |axis: usize| self.zips.iter().find(|group| group.contains(&axis));
         let first = |axis: &usize| zipped(*axis).is_none_or(|group| group.iter().min() == Some(axis));

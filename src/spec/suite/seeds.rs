@@ -1,13 +1,13 @@
-//! `sweep.seeds`: the learning seeds of every arm, a number of them or a list.
+//! `sweep.seeds`: the learning seeds of every arm, a count or a list.
 
 use super::wrong_type;
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::syntax::{Item, Node, Number};
 
-/// More are a mistake.
+/// Maximum number of seeds.
 const MOST: i64 = 1000;
 
-/// A learning seed and where it is given.
+/// A learning seed and its place.
 pub type Seed = (u64, Span);
 
 /// Decodes the seeds: `3` is 1, 2, 3.

@@ -1,4 +1,4 @@
-//! Which combinations are meant: partial patterns over the axes, the tables `[[sweep.include]]` and
+//! Selecting combinations: partial patterns over the axes, the tables `[[sweep.include]]` and
 //! `[[sweep.exclude]]`.
 
 use std::collections::BTreeMap;
@@ -10,38 +10,38 @@ use crate::diag::{Diagnostic, Sink, Span};
 use crate::spec::suggest::{listed, nearest};
 use crate::syntax::{Item, Map, Node, Number};
 
-/// Points by axis; an axis that is not named may be at any point.
+/// Points by axis; an axis that is not named matches at any point.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Pattern {
     /// The allowed points of each axis that is named.
     pub points: BTreeMap<String, Vec<String>>,
-    /// The learning seeds that are meant; all of them when none is named.
+    /// The selected learning seeds; empty for all.
     pub seeds: Vec<u64>,
 }
 
 /// The key of a pattern that names learning seeds.
 const SEEDS: &str = "seeds";
 
-/// What a pattern names and no axis has.
+/// A name in a pattern that no axis has.
 struct Unknown {
     /// What is wrong.
     message: String,
     /// What to write.
     help: String,
-    /// The name that was probably meant.
+    /// The suggested name.
     near: Option<String>,
 }
 
 impl Pattern {
-    /// Whether an arm is meant.
+    /// Whether an arm matches.
     pub fn matches(&self, arm: &[(String, String)]) -> bool {
         self.points.iter().all(|(axis, points)| {
             arm.iter().any(|(own, point)| own == axis && points.iter().any(|allowed| allowed == point))
         })
     }
 
-    /// Decodes a table of `[[sweep.exclude]]`, which may leave out some of an arm's seeds. E0702 for what
-    /// does not exist.
+    /// Decodes a table of `[[sweep.exclude]]`, which may exclude some of an arm's seeds. E0702 for unknown
+    /// names.
     pub fn decode_with_seeds(map: &Map, place: Span, axes: &[Axis], sink: &mut Sink) -> Option<Self> {
         let Some(entry) = map.entries.get(SEEDS) else { return Self::decode(map, place, axes, sink) };
         let seeds: Option<Vec<u64>> = items(&entry.node).into_iter().map(seed).collect();
@@ -60,7 +60,7 @@ impl Pattern {
         Some(Self { seeds, ..Self::decode(&rest, place, axes, sink)? })
     }
 
-    /// Decodes a table of `[[sweep.include]]`. E0702 for what does not exist.
+    /// Decodes a table of `[[sweep.include]]`. E0702 for unknown names.
     pub fn decode(map: &Map, place: Span, axes: &[Axis], sink: &mut Sink) -> Option<Self> {
         let mut pattern = Self::default();
         let mut sound = true;
@@ -129,7 +129,7 @@ fn known_point(axis: &str, point: &str, axes: &[Axis]) -> Result<(), Unknown> {
 }
 
 impl Unknown {
-    /// A word that is none of these names.
+    /// A word that is not among these names.
     fn new(message: String, word: &str, noun: &str, names: &[&str]) -> Self {
         let near = nearest(word, names.iter().copied());
         let help = match near {

@@ -1,4 +1,4 @@
-//! `[sweep]`: the axes, which of them go together, which combinations are taken, and the seeds.
+//! `[sweep]`: the axes, zipped axes, selected combinations and the seeds.
 
 use std::collections::BTreeMap;
 
@@ -11,56 +11,56 @@ use crate::diag::{Diagnostic, Sink, Span};
 use crate::spec::suggest::{listed, nearest};
 use crate::syntax::{Entry, Item, Map, Node};
 
-/// Keys of `[sweep]` that are no axes.
+/// Keys of `[sweep]` that are not axes.
 pub const RESERVED: &[&str] = &["seeds", "zip", "include", "exclude"];
 
 /// The path that seeds assign.
 pub const SEED_PATH: &str = "learn.seed";
 
-/// Most axes of a sweep.
+/// Maximum number of axes of a sweep.
 const MOST_AXES: usize = 32;
-/// Most patterns of `include`, and of `exclude`: each is compared with each combination.
+/// Maximum number of patterns of `include` and of `exclude`: each is compared with every combination.
 const MOST_PATTERNS: usize = 1000;
 
 /// A sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
-    /// Where it stands.
+    /// Its place.
     pub place: Span,
     /// The axes in the order of the file.
     pub axes: Vec<Axis>,
-    /// Groups of axes, by index, whose points go together.
+    /// Groups of zipped axes, by index.
     pub zips: Vec<Vec<usize>>,
-    /// When not empty, only combinations that one of these matches are taken.
+    /// If not empty, only combinations that match one of these are selected.
     pub include: Vec<Pattern>,
-    /// Combinations that one of these matches are left out, or those of their seeds that it names.
+    /// Combinations that match one of these are excluded, or only the seeds that it names.
     pub exclude: Vec<Pattern>,
-    /// The learning seeds of every arm; absent when each arm has its spec's own.
+    /// The learning seeds of every arm; if absent, each arm uses its spec's own.
     pub seeds: Option<Vec<Seed>>,
-    /// What could be understood of it.
+    /// How much of it is valid.
     pub grasp: Grasp,
 }
 
-/// How much of a sweep could be understood. Its arms are exact only if all of it was; otherwise they serve to
-/// find the mistakes that do not depend on the missing part.
+/// How much of a sweep is valid. Its arms are exact only if all of it is; otherwise they serve to find
+/// mistakes that do not depend on the missing part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grasp {
     /// All of it.
     Full,
     /// All axes, but not which combinations and seeds are selected.
     Axes,
-    /// Some axes are missing, so that arms lack the keys that those assign.
+    /// Some axes are missing, so arms lack the keys that they assign.
     Part,
 }
 
 impl Sweep {
-    /// The sweep of a suite without a valid `[sweep]`: one arm, the suite's own sections.
+    /// The sweep of a suite without a valid `[sweep]`: one arm with the suite's own sections.
     pub fn missing(place: Span) -> Self {
         let (axes, zips, include, exclude) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         Self { place, axes, zips, include, exclude, seeds: None, grasp: Grasp::Part }
     }
 
-    /// The same with all combinations of its axes.
+    /// The same sweep with all combinations of its axes.
     pub fn unrestricted(&self) -> Self {
         Self {
             include: Vec::new(),
@@ -70,8 +70,8 @@ impl Sweep {
         }
     }
 
-    /// Decodes the table. `seeds` stands above it: those of a profile or of the command line. What has mistakes
-    /// is left out, which `grasp` says.
+    /// Decodes the table. `seeds` of a profile or the command line override its own. Invalid parts are left
+    /// out; see `grasp`.
     pub fn decode(entry: &Entry, seeds: Option<&Node>, sink: &mut Sink) -> Self {
         let Some(map) = entry.node.table() else {
             sink.emit(wrong_type("sweep", "a table", &entry.node));
@@ -93,7 +93,7 @@ impl Sweep {
         let all_known = axes.iter().all(Option::is_some);
         let axes: Vec<Axis> = axes.into_iter().flatten().collect();
         let mut sweep = Self { axes, seeds: seeds.clone().flatten(), ..Self::missing(entry.key) };
-        // What names axes is checked only if all of them are known.
+        // Names of axes are checked only if all axes are known.
         if !all_known {
             return sweep;
         }
@@ -110,7 +110,7 @@ impl Sweep {
         sweep
     }
 
-    /// E0704: no two axes assign one path, nor a path and one below it.
+    /// E0704: two axes must not assign the same path, or a path and one below it.
     fn paths_are_set_once(&self, sink: &mut Sink) -> bool {
         let mut sets: Vec<(&str, BTreeMap<String, Span>)> =
             self.axes.iter().map(|axis| (axis.name.as_str(), axis.paths())).collect();
@@ -142,8 +142,8 @@ impl Sweep {
 }
 
 impl Sweep {
-    /// The learning seeds of an arm, given its points: the sweep's but those that are left out; `None` when
-    /// each arm has its spec's own.
+    /// The learning seeds of an arm, given its points: the sweep's without those excluded; `None` if each arm
+    /// uses its spec's own.
     pub fn seeds_of(&self, arm: &[(String, String)]) -> Option<Vec<u64>> {
         let left_out =
             |seed: u64| self.exclude.iter().any(|out| out.seeds.contains(&seed) && out.matches(arm));
@@ -151,7 +151,7 @@ impl Sweep {
         Some(all.filter(|seed| !left_out(*seed)).collect())
     }
 
-    /// E0704: assignments of the command line leave to the axes what these set. Gives those that do.
+    /// E0704: the command line must not assign what an axis sets. Returns the valid assignments.
     pub fn leaves_alone(&self, assigned: Vec<Map>, sink: &mut Sink) -> Vec<Map> {
         let paths_of: Vec<_> = self.axes.iter().map(|axis| (axis, axis.paths())).collect();
         let swept =
@@ -169,7 +169,7 @@ impl Sweep {
     }
 }
 
-/// The path among others that is this one, one around it, or one below it.
+/// The path among others that equals, contains or is below this one.
 fn overlapping<'a>(path: &str, others: &'a BTreeMap<String, Span>) -> Option<(&'a String, &'a Span)> {
     let around = path.match_indices('.').map(|(at, _)| &path[..at]).chain([path]);
     let below = format!("{path}.");
@@ -180,7 +180,7 @@ fn overlapping<'a>(path: &str, others: &'a BTreeMap<String, Span>) -> Option<(&'
 }
 
 impl Grasp {
-    /// What is left of it without the selected combinations.
+    /// What remains of it without the selection of combinations.
     fn without_selection(self) -> Self {
         if self == Self::Full { Self::Axes } else { self }
     }
@@ -231,7 +231,7 @@ fn zips(node: &Node, axes: &[Axis], sink: &mut Sink) -> Option<Vec<Vec<usize>>> 
     decoded.into_iter().collect()
 }
 
-/// One group of axes that go together: each exists, is in one group, and all have as many points (E0701).
+/// One group of zipped axes: each exists, is in only one group, and all have the same length (E0701).
 fn zip(node: &Node, axes: &[Axis], used: &mut Vec<usize>, sink: &mut Sink) -> Option<Vec<usize>> {
     let Item::List(items) = &node.item else { return None };
     let mut group = Vec::new();

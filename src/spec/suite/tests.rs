@@ -5,7 +5,7 @@ use super::{Sweep, is_suite};
 use crate::diag::{Sink, Sources};
 use crate::syntax::parse;
 
-/// The sweep of a text, or the codes of what is wrong with it.
+/// The sweep of a text, or the codes of its mistakes.
 fn sweep(text: &str) -> Result<Sweep, Vec<&'static str>> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let source = sources.add("suite.toml", text);
@@ -59,7 +59,7 @@ fn a_cell_is_alone_on_an_axis_when_no_other_differs_in_that_axis_only() {
     let text = format!("{AXES}[[sweep.exclude]]\nz = 2\na = \"one\"\n");
     let cells = sweep(&text).expect("a sound sweep").cells(&mut Sink::default());
     let alone: Vec<&[bool]> = cells.iter().map(|cell| cell.alone.as_slice()).collect();
-    // z=1,a=one has no twin in z; z=2,a=two none in a.
+    // z=1,a=one has no twin in z; z=2,a=two has none in a.
     assert_eq!(alone, [&[true, false][..], &[false, false], &[false, true]]);
 }
 

@@ -114,7 +114,7 @@ macro_rules! keys {
     };
 }
 
-/// What an attribute of a key says: its documentation, or a change of its [`Param`](crate::spec::Param).
+/// What an attribute of a key sets: its documentation, or a property of its [`Param`](crate::spec::Param).
 macro_rules! key_attribute {
     (doc doc = $line:literal) => {
         $line
@@ -275,7 +275,7 @@ macro_rules! either {
     };
 }
 
-/// Declares what ratios are shares of.
+/// Declares the references of ratios.
 macro_rules! reference {
     ($($(#[$($about:tt)*])* $vis:vis $name:ident = $words:literal;)*) => {$(
         $(#[$($about)*])*

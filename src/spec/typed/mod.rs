@@ -3,9 +3,9 @@
 //!
 //! `keys!` declares the keys of a table as a struct, `kind!` those of a kind, `choice!` the words that a key
 //! takes and `either!` a value with several forms; `section!` collects the kinds of a section.
-//! From a declaration come the [`Param`]s that the decoder, the checks, the schema and the reference pages
-//! read, the struct that the rest of the program reads, and a [`Key`] for each key, by which single values
-//! and their places are found. A key that was not declared does not compile.
+//! A declaration generates the [`Param`]s for the decoder, the checks, the schema and the reference pages,
+//! the struct that the rest of the program uses, and a [`Key`] for each key, for looking up single values and
+//! their places. Keys that are not declared do not compile.
 
 mod macros;
 mod types;
@@ -19,21 +19,21 @@ pub use types::{
 
 use super::{Kind, Param, Presence, Section, Table, Ty, Value, decode};
 
-/// A type of the language: what may be written, and what it is in Rust.
+/// A type of the spec language and its type in Rust.
 pub trait Typed {
-    /// What it is in Rust, in SI units.
+    /// Its type in Rust, in SI units.
     type Value;
-    /// What stands there when it is written: the type itself, but for an optional one.
+    /// The type when the key is present: itself, or the inner type of an optional one.
     type Present: Typed;
-    /// What may be written.
+    /// Its type in the spec language.
     const TY: Ty;
-    /// The same, for types of types.
+    /// The same as a reference, for nested types.
     const TY_REF: &'static Ty = &Self::TY;
-    /// Whether it must be written. A default is an attribute of the key.
+    /// Whether it is required. A default is an attribute of the key.
     const PRESENCE: Presence = Presence::Required;
-    /// A decoded value in Rust; `None` for one of another type.
+    /// Converts a decoded value; `None` if it has another type.
     fn read(value: &Value) -> Option<Self::Value>;
-    /// What it is when nothing was written; `None` where that is an error.
+    /// The value of an absent key; `None` if that is an error.
     fn absent() -> Option<Self::Value> {
         None
     }
@@ -41,7 +41,7 @@ pub trait Typed {
 
 /// A key of one declaration.
 pub struct Key<Owner, T> {
-    /// The key as it is written, snake_case.
+    /// The name of the key, snake_case.
     pub name: &'static str,
     types: PhantomData<fn() -> (Owner, T)>,
 }
@@ -77,39 +77,39 @@ impl<Owner, T> Copy for Key<Owner, T> {}
 pub trait Keys: Sized {
     /// Its keys.
     const PARAMS: &'static [Param];
-    /// The struct of a decoded table; `None` when a key is missing or of another type, which decoding rules
+    /// The struct of a decoded table; `None` if a key is missing or of another type, which decoding rules
     /// out.
     fn of_table(table: &Table) -> Option<Self>;
 }
 
-/// Keys that stand in one section, whose name is part of their paths.
+/// Keys that belong to one section, whose name is part of their paths.
 pub trait InSection {
     /// The section: `learn`.
     const SECTION: &'static str;
 }
 
-/// A whole section in Rust.
+/// A whole section as a Rust type.
 pub trait Part: InSection + Sized {
-    /// The section of a decoded table; `None` when a key is missing or of another type, which decoding rules
+    /// The section of a decoded table; `None` if a key is missing or of another type, which decoding rules
     /// out.
     fn of_section(section: Section) -> Option<Self>;
 }
 
 /// A kind: its descriptor, and its keys as a struct.
 pub trait Declared: Keys {
-    /// What may be written.
+    /// Its descriptor.
     const KIND: &'static Kind;
 }
 
 impl Param {
-    /// A key of a type that a declaration names.
+    /// A key of a declared type.
     pub const fn of<T: Typed>(name: &'static str) -> Self {
         Self { name, ty: T::TY, presence: T::PRESENCE, doc: "", range: None, length: None }
     }
 }
 
 impl<'a> Section<'a> {
-    /// The value of a key; `None` where nothing is written and it has no default.
+    /// The value of a key; `None` if it is absent and has no default.
     pub fn value<Owner, T: Typed>(self, key: Key<Owner, T>) -> Option<T::Value> {
         T::read(self.table().get(key.name)?)
     }
@@ -122,19 +122,18 @@ impl<'a> Section<'a> {
     /// The keys of the table as a struct.
     ///
     /// # Panics
-    /// When a key is missing or of another type: decoding has made sure of both, so that is a bug in
-    /// specforge.
+    /// If a key is missing or of another type. Decoding checks both, so that is a bug in specforge.
     pub fn read<K: Keys>(self) -> K {
         K::of_table(self.table())
             .unwrap_or_else(|| panic!("decoding promised the keys of {}", std::any::type_name::<K>()))
     }
 
-    /// The section that a declaration stands in, of the spec of which this is the view.
+    /// The section of a declaration, given a view of the whole spec.
     pub fn within<Owner: InSection>(self) -> Option<Section<'a>> {
         self.section(Owner::SECTION)
     }
 
-    /// The value of a key in its section of the spec of which this is the view.
+    /// The value of a key in its section, given a view of the whole spec.
     pub fn at<Owner: InSection, T: Typed>(self, key: Key<Owner, T>) -> Option<T::Value> {
         self.within::<Owner>()?.value(key)
     }
@@ -144,13 +143,13 @@ impl<'a> Section<'a> {
         self.kind() == Some(K::KIND.name)
     }
 
-    /// A section of a spec, of which this is the view; `None` where the spec has no such section, or where it
-    /// lacks a key, as in a stage that declares a part of it.
+    /// A section, given a view of the whole spec; `None` if the section or one of its keys is missing, as in
+    /// a stage that declares only a part of it.
     pub fn part<P: Part>(self) -> Option<P> {
         P::of_section(self.section(P::SECTION)?)
     }
 
-    /// The view of the table below this one that a key holds.
+    /// A view of the table that a key holds.
     pub fn below<Owner, T>(self, key: Key<Owner, T>) -> Option<Section<'a>> {
         match self.table().get(key.name)? {
             Value::Table(table) => Some(Section::new(table)),
@@ -159,8 +158,8 @@ impl<'a> Section<'a> {
     }
 }
 
-/// Reads one of these keys of a table. Only the macros call this. Where a key with a default is missing, as
-/// in the recipe of a stage or in a policy of an earlier version, it has its default.
+/// Reads one key of a table. Only the macros call this. A missing key, as in the recipe of a stage or in a
+/// policy of an earlier version, has its default if there is one.
 pub fn read_key<T: Typed>(table: &Table, name: &str, params: &'static [Param]) -> Option<T::Value> {
     if let Some(value) = table.get(name) {
         return T::read(value);
@@ -172,8 +171,8 @@ pub fn read_key<T: Typed>(table: &Table, name: &str, params: &'static [Param]) -
     }
 }
 
-/// A key as it is written, of the identifier that declares it: `move` is declared as `r#move`. Only the
-/// macros call this.
+/// The name of a key from the identifier that declares it: `move` is declared as `r#move`. Only the macros
+/// call this.
 pub const fn key_name(identifier: &'static str) -> &'static str {
     match identifier.as_bytes() {
         [b'r', b'#', ..] => identifier.split_at(2).1,
@@ -181,7 +180,7 @@ pub const fn key_name(identifier: &'static str) -> &'static str {
     }
 }
 
-/// How many keys lists have. Only the macros call this.
+/// Total number of keys of the lists. Only the macros call this.
 pub const fn count(lists: &[&[Param]]) -> usize {
     let (mut list, mut count) = (0, 0);
     while list < lists.len() {
@@ -207,7 +206,7 @@ pub const fn join<const COUNT: usize>(lists: &[&[Param]]) -> [Param; COUNT] {
     all
 }
 
-/// What files with declarations import.
+/// Imports for files with declarations.
 #[allow(unused_imports, reason = "no file needs all of it, and builds differ in the files that they have")]
 pub(crate) mod prelude {
     pub use super::units::*;
@@ -225,7 +224,7 @@ pub(crate) mod sample {
     use crate::diag::{Sink, Sources};
     use crate::spec::{Section, decode};
 
-    /// A section of a kind as its author writes it.
+    /// A section of a kind, from its text.
     pub fn part<S: SectionKinds>(text: &str) -> S {
         let (mut sources, mut sink) = (Sources::default(), Sink::default());
         let source = sources.add("part.toml", text);

@@ -1,4 +1,4 @@
-//! The types that declarations name.
+//! The types used in declarations.
 
 use std::collections::BTreeMap;
 use std::marker::PhantomData;
@@ -8,7 +8,7 @@ use super::super::{Kinds, Presence, Sampler, Table, Ty, Value};
 use super::{InSection, Part, Typed};
 use crate::quantity::Dimension;
 
-/// Declares a type of the language that is the same whether or not it is written.
+/// Declares a type whose Rust type is the same whether or not the key is present.
 macro_rules! typed {
     (for [$($generics:tt)*] $name:ty => $rust:ty, $ty:expr, $read:expr) => {
         impl<$($generics)*> Typed for $name {
@@ -34,17 +34,17 @@ pub trait Unit {
 
 /// What a ratio is a share of, as a type.
 pub trait Reference {
-    /// In words: `the joint's effort limit`.
+    /// As text: `the joint's effort limit`.
     const OF: &'static str;
 }
 
-/// A number with a unit of this dimension; in Rust a number in SI units.
+/// A number with a unit of this dimension; in Rust in SI units.
 pub struct Quantified<U>(PhantomData<U>);
 /// A share of a reference; in Rust 1.0 is 100 %.
 pub struct Ratio<R>(PhantomData<R>);
 /// A distribution over numbers of this dimension.
 pub struct Sampled<U>(PhantomData<U>);
-/// A table whose keys are names that the user chooses.
+/// A table with user-defined keys.
 pub struct Named<T>(PhantomData<T>);
 
 typed!(bool => bool, Ty::Flag, |value| match value {
@@ -67,7 +67,7 @@ typed!(for [U: Unit] Sampled<U> => Sampler, Ty::Sampler(U::DIMENSION), |value| m
     Value::Sampler(sampler) => Some(sampler.clone()),
     other => number(other).map(Sampler::Constant),
 });
-// A single value where a list is expected is a list of one, as the decoder takes it.
+// A single value where a list is expected is a list of one, as in the decoder.
 typed!(for [T: Typed] Vec<T> => Vec<T::Value>, Ty::List(T::TY_REF), |value| match value {
     Value::List(items) => items.iter().map(T::read).collect(),
     other => T::read(other).map(|item| vec![item]),
@@ -77,7 +77,7 @@ typed!(for [T: Typed] Named<T> => BTreeMap<String, T::Value>, Ty::Named(T::TY_RE
     _ => None,
 });
 
-/// Kinds that may also stand in tables outside of their own section.
+/// Kinds that are also allowed in tables outside their own section.
 pub trait HasKinds {
     /// The section, its noun and its kinds.
     const KINDS: Kinds;
@@ -87,12 +87,12 @@ impl<K: HasKinds> InSection for K {
     const SECTION: &'static str = K::KINDS.section;
 }
 
-/// A section with one of its kinds, which may also stand in tables elsewhere.
+/// A section with one of its kinds, which are also allowed in other tables.
 pub trait SectionKinds: Part + HasKinds {}
 
-/// A table of one of these kinds, kept as it was decoded.
+/// A table of one of these kinds, as decoded.
 pub struct RawKind<K>(PhantomData<K>);
-/// Named tables of these kinds, kept as they were decoded.
+/// Named tables of these kinds, as decoded.
 pub struct RawTerms<K>(PhantomData<K>);
 
 typed!(for [K: HasKinds] RawKind<K> => Table, Ty::Kind(K::KINDS), table);
