@@ -18,7 +18,7 @@ use crate::syntax::{self, Files};
 /// Maximum depth to which baselines of baselines are followed; a longer chain is not a cycle.
 const DEEPEST: usize = 32;
 
-/// The spec or suite with the key `report.baseline`.
+/// What names the baselines.
 pub(super) struct Naming<'a> {
     pub files: &'a dyn Files,
     /// Its path.

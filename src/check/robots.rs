@@ -1,5 +1,4 @@
-//! E04xx and W04xx: converts the findings of the robot's own checks to diagnostics in the spec and the
-//! robot's file.
+//! E04xx and W04xx: findings of the robot checks as diagnostics in the spec and the robot file.
 
 use crate::diag::{Diagnostic, Span};
 use crate::robot::{self, Issue};

@@ -1,20 +1,20 @@
-//! Physical checks of a robot model: masses, inertias, limits, default pose. Knows models, not files.
+//! Physical checks of a robot model: masses, inertias, limits, default pose. Independent of files.
 
 use nalgebra::Matrix3;
 
 use super::model::{Body, Joint, Robot, Shape};
 use crate::diag::Severity;
 
-/// Most joints of a robot.
+/// Maximum number of joints of a robot.
 pub const MOST_JOINTS: usize = 40;
 
 /// Something wrong with a robot file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Issue {
-    /// The diagnostic's code: E0403 to E0408 make the file no robot, the others are about a robot that is
-    /// there.
+    /// The diagnostic's code: E0403 to E0408 mean that there is no valid model, the others concern a valid
+    /// model.
     pub code: &'static str,
-    /// Where, as a path of keys and list indices from the top of the file: `links.3.joint.lower`.
+    /// Where, as a path of keys and list indices from the top level of the file: `links.3.joint.lower`.
     pub path: String,
     /// One sentence, lower case, without a full stop.
     pub message: String,
@@ -28,13 +28,13 @@ impl Issue {
         Self { code: "E0405", path: path.into(), message: message.into(), help: help.to_owned() }
     }
 
-    /// Whether the robot cannot be used, or is merely unusual.
+    /// Error if the robot cannot be used, warning if it is only unusual.
     pub fn severity(&self) -> Severity {
         if self.code.starts_with('W') { Severity::Warning } else { Severity::Error }
     }
 }
 
-/// Whether the masses sum to the stated total, to within 0.1 g.
+/// Whether the masses sum to the stated total within 0.1 g.
 pub fn total_mass(robot: &Robot, stated: f64) -> Option<Issue> {
     let sum = robot.total_mass();
     ((sum - stated).abs() > 1e-4).then(|| {
@@ -46,7 +46,7 @@ pub fn total_mass(robot: &Robot, stated: f64) -> Option<Issue> {
     })
 }
 
-/// Whether there are more joints than a robot may have.
+/// Whether the robot has too many joints.
 pub fn size(joints: usize) -> Option<Issue> {
     (joints > MOST_JOINTS).then(|| Issue {
         code: "E0407",
@@ -57,7 +57,7 @@ pub fn size(joints: usize) -> Option<Issue> {
     })
 }
 
-/// Everything that is physically wrong with a model.
+/// All physical errors of a model.
 pub fn model(robot: &Robot) -> Vec<Issue> {
     let mut issues = body("base", &robot.base);
     for (index, link) in robot.links.iter().enumerate() {
@@ -119,7 +119,7 @@ fn body(path: &str, body: &Body) -> Vec<Issue> {
     issues
 }
 
-/// Whether every length of a shape is positive; a capsule may be a ball.
+/// Whether all lengths of a shape are positive; a capsule's length may be 0 (a sphere).
 pub(super) fn positive(shape: &Shape) -> bool {
     match shape {
         Shape::Box(half) => half.iter().all(|half| *half > 0.0),
@@ -129,8 +129,8 @@ pub(super) fn positive(shape: &Shape) -> bool {
     }
 }
 
-/// What is wrong with an inertia tensor, if anything. The triangle inequality is allowed a relative
-/// 1e-6 for rounded figures.
+/// What is wrong with an inertia tensor, if anything. The triangle inequality has a relative tolerance of
+/// 1e-6 for rounded values.
 pub(super) fn inertia(tensor: &Matrix3<f64>) -> Option<String> {
     if !tensor.iter().all(|x| x.is_finite()) {
         return Some("is not finite".to_owned());

@@ -1,29 +1,29 @@
-//! Feet whose frames are not those of a robot file: z is the normal of the sole and x points forward, as of
-//! the base in the default pose. Motions and labels set feet down by them.
+//! Feet whose frames violate the convention of robot files: z is the normal of the sole and x points forward,
+//! like the base's in the default pose. Motions and labels place feet by them.
 
 use nalgebra::Vector3;
 
 use super::kinematics::Kinematics;
 use super::model::Robot;
 
-/// Tilt of a sole in rad in the default pose up to which it is level.
+/// Maximum tilt in rad of a level sole in the default pose.
 const LEVEL: f64 = 1e-3;
-/// Angle in rad between a foot's x axis and forward up to which toes may point out.
+/// Maximum angle in rad between a foot's x axis and forward; toes may point outwards.
 const TOE_OUT: f64 = 0.5;
 
-/// A foot that does not stand flat and ahead in the default pose.
+/// A foot that is not flat or does not point forward in the default pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Askew {
     /// Name of the foot's link.
     pub link: String,
     /// Angle between the normal of its sole and up, in rad.
     pub tilt: f64,
-    /// Angle between its x axis, seen from above, and forward, in rad; counter-clockwise is positive.
+    /// Angle between its x axis, seen from above, and forward, in rad; positive counter-clockwise.
     pub heading: f64,
 }
 
-/// The foot that is furthest from flat and ahead in the default pose with the base upright; `None` when both
-/// are.
+/// The foot that deviates most in the default pose with the base upright; `None` if both are flat and point
+/// forward.
 pub fn askew(robot: &Robot) -> Option<Askew> {
     let kinematics = Kinematics::new(robot);
     let feet = [0, 1].map(|side| {

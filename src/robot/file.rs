@@ -1,6 +1,6 @@
 //! Robot files: the descriptor of `robots/NAME.toml` and the robot it describes, checked.
 //!
-//! Knows decoded tables, not TOML; [`super::checks`] judges the finished model.
+//! Works on decoded tables, not TOML; [`super::checks`] checks the finished model.
 
 use std::collections::BTreeMap;
 
@@ -206,9 +206,8 @@ keys! {
 /// The keys of a robot file.
 pub static PARAMS: &[Param] = RobotFile::PARAMS;
 
-/// The robot that a decoded file describes, and everything that was found in it. There is no robot if its
-/// model is unsound (E0403 to E0408); a sound one that cannot be used for other reasons, such as one that
-/// falls over, is there.
+/// The robot of a decoded file, and all findings. There is no robot if the model is invalid (E0403 to E0408);
+/// a valid model with other errors, such as one that falls over, is returned.
 pub fn from_table(name: &str, table: &Table) -> (Option<Robot>, Vec<Issue>) {
     let mut issues = Vec::new();
     let Some(file) = RobotFile::of_table(table) else { return (None, issues) };
@@ -233,13 +232,13 @@ pub fn from_table(name: &str, table: &Table) -> (Option<Robot>, Vec<Issue>) {
     (Some(robot), issues)
 }
 
-/// Two sides that do not mirror each other. Feet that do not lie left and right are the cause of whatever
-/// else the sides do not have in common.
+/// The error for sides that do not mirror each other. If the feet are on the wrong sides, that is the cause
+/// of all other differences.
 pub(super) fn unmirrored(robot: &Robot, unpaired: &Unpaired) -> Issue {
     examine::sides(robot).unwrap_or_else(|| no_image(robot, unpaired))
 }
 
-/// A joint that has no image.
+/// A joint without a mirror image.
 fn no_image(robot: &Robot, unpaired: &Unpaired) -> Issue {
     let joint = &unpaired.joint;
     let message = format!("joint `{joint}` has no mirror image on the other side");
@@ -252,7 +251,7 @@ fn no_image(robot: &Robot, unpaired: &Unpaired) -> Issue {
     Issue::model(joint_path(robot, joint), message, &help)
 }
 
-/// The joints whose image in the file is not the one that geometry gives (E0408).
+/// Joints whose image in the file differs from the one derived from geometry (E0408).
 fn other_images(robot: &Robot, mirror: &[(usize, f64)], file: &RobotFile) -> Vec<Issue> {
     let stated = file.links.iter().map(|link| link.joint.mirror.as_deref());
     let wrong = stated.zip(mirror).enumerate().filter_map(|(index, (stated, image))| {
@@ -275,7 +274,7 @@ fn joint_path(robot: &Robot, joint: &str) -> String {
     format!("links.{index}.joint")
 }
 
-/// Reads the tables and collects what is wrong.
+/// Reads the tables and collects errors.
 struct Reader<'a> {
     issues: &'a mut Vec<Issue>,
 }
@@ -390,7 +389,7 @@ impl Reader<'_> {
         Some(Foot { link, half_extents, centre, friction: keys.friction })
     }
 
-    /// Looks a body up among those written so far: `None` inside is the base.
+    /// Finds a body among the preceding ones: `None` inside is the base.
     fn known(
         &mut self,
         path: &str,
@@ -449,7 +448,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Roll, pitch and yaw of a table; without them no rotation.
+    /// Roll, pitch and yaw of a table; if absent no rotation.
     fn rotation(&mut self, path: &str, angles: Option<&[f64]>) -> Option<UnitQuaternion<f64>> {
         let angles = angles.map(|angles| self.triple(path, "rotation", angles));
         Some(orientation(&angles.unwrap_or_else(|| Some(Vector3::zeros()))?))
@@ -462,7 +461,7 @@ impl Reader<'_> {
         keys.radius
     }
 
-    /// Three numbers that this collision shape needs.
+    /// Three numbers required by this collision shape.
     fn needed(&mut self, path: &str, key: &str, numbers: Option<&[f64]>) -> Option<Vector3<f64>> {
         if numbers.is_none() {
             self.missing(path, key);
@@ -505,7 +504,7 @@ fn orientation(angles: &Vector3<f64>) -> UnitQuaternion<f64> {
         * rotation_about(&Vector3::x(), angles.x)
 }
 
-/// The pose in the middle of two points whose z axis points from the first to the second.
+/// The pose midway between two points whose z axis points from the first to the second.
 pub(super) fn between(from: &Vector3<f64>, to: &Vector3<f64>) -> Isometry3<f64> {
     let direction = Unit::try_new(to - from, 1e-9).unwrap_or_else(Vector3::z_axis);
     let turn = UnitQuaternion::rotation_between_axis(&Vector3::z_axis(), &direction)

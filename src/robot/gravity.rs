@@ -1,40 +1,40 @@
 //! Gravity compensation with contacts: the joint torques that hold a robot still in a pose.
 //!
-//! Pure statics (no mass matrix). With `f` the wrenches of the ground on the feet, rest means
-//! `J_base^T f = g_base` and `tau = g_joints - J_joints^T f`. With one foot on the ground the wrench is
-//! the weight; with two, the share between them is free and minimises the weighted sum of squared
-//! torques. In flight nothing can be compensated and the torques are zero. The result equals the
-//! operational-space form of Park and Khatib, "Contact consistent control framework for humanoid
-//! robots" (ICRA 2006), where that picks the same weighting.
+//! Pure statics (no mass matrix). With `f` the ground's wrenches on the feet, rest means
+//! `J_base^T f = g_base` and `tau = g_joints - J_joints^T f`. With one foot on the ground the wrench is the
+//! weight; with two, its distribution is free and minimises the weighted sum of squared torques. In flight
+//! nothing can be compensated and the torques are zero. The result equals the operational-space form of Park
+//! and Khatib, "Contact consistent control framework for humanoid robots" (ICRA 2006), for the same
+//! weighting.
 //!
 //! A leg with fewer than six joints carries some wrenches without any torque, for example a lateral force
-//! through its hip. Between two such legs the share is free in these directions, and tiny torques would be
-//! saved by forces of many times the weight. There the share also minimises the wrenches themselves, each
-//! relative to what its sole can give.
+//! through its hip. Between two such legs these directions are free, and tiny torque savings would cost
+//! forces of many times the weight. There the wrenches are minimised too, each relative to what its sole can
+//! transmit.
 
 use nalgebra::{Isometry3, Matrix6, SMatrix, UnitQuaternion, Vector3, Vector6};
 
 use super::kinematics::{GRAVITY, Kinematics};
 use super::model::Robot;
 
-/// What a sole's wrench at its limit counts, in squares of a joint's torque at its limit: as much as a tenth
-/// of that torque. Only legs with fewer than six joints have it.
+/// Cost of a sole's wrench at its limit, relative to a squared joint torque at its limit: that of a tenth of
+/// that torque. Only for legs with fewer than six joints.
 const WRENCH_WEIGHT: f64 = 0.01;
 
-/// Smallest friction coefficient that a wrench is compared with: a frictionless sole gives no lateral force,
-/// not an infinite cost.
+/// Minimum friction coefficient that wrenches are normalised by: a frictionless sole has no lateral force,
+/// but its cost must be finite.
 const MIN_POSITIVE_GRIP: f64 = 0.05;
 
-/// What the share of the weight between two feet minimises.
+/// What the distribution of weight between two feet minimises.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weighting {
-    /// The sum of squared torques, each relative to its joint's effort limit: spares weak joints.
+    /// The sum of squared torques relative to the joints' effort limits: spares weak joints.
     EffortLimits,
     /// The sum of squared torques: the pseudo-inverse of the operational-space form.
     Uniform,
 }
 
-/// A pose held still.
+/// The statics of a pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Balance {
     /// Joint torques in N m, in joint order.
@@ -44,9 +44,9 @@ pub struct Balance {
     pub wrench: [Vector6<f64>; 2],
 }
 
-/// Gravity as felt in a body that accelerates horizontally (m/s^2, x and y): the rotation that turns the felt
-/// vertical into `z`, and how many times heavier everything is. A pose turned by it and held, torques and
-/// wrenches times the load, is one whose links all accelerate so (d'Alembert).
+/// Effective gravity in a body with a horizontal acceleration (m/s^2, x and y): the rotation of the effective
+/// vertical to `z`, and the factor on the weight. Holding the rotated pose, with torques and wrenches times
+/// the factor, accelerates all links equally (d'Alembert).
 #[must_use]
 pub fn felt_gravity(horizontal: [f64; 2]) -> (UnitQuaternion<f64>, f64) {
     let felt = Vector3::new(horizontal[0], horizontal[1], GRAVITY);
@@ -63,7 +63,7 @@ pub struct GravityCompensation {
     soles: [[f64; 2]; 2],
     /// Friction coefficients of the soles.
     friction: [f64; 2],
-    /// Whether a leg cannot give its foot every wrench.
+    /// Whether a leg cannot apply every wrench to its foot.
     few_joints: bool,
     balance: Balance,
 }
@@ -103,8 +103,8 @@ impl GravityCompensation {
         self.hold_turning(base, position, contact, &Vector3::zeros())
     }
 
-    /// Like [`Self::hold`], with a moment in N m (world frame) that the feet give on top of rest: it turns
-    /// the robot.
+    /// Like [`Self::hold`], with an additional moment in N m (world frame) from the feet, which turns the
+    /// robot.
     pub fn hold_turning(
         &mut self,
         base: &Isometry3<f64>,
@@ -116,17 +116,16 @@ impl GravityCompensation {
         self.hold_placed(contact, moment)
     }
 
-    /// Like [`Self::hold`], with the contacts inferred from the pose: soles within `tolerance` (m) of
-    /// the lower one's height carry.
+    /// Like [`Self::hold`], with the contacts inferred from the pose: soles within `tolerance` (m) of the
+    /// lower one's height are in contact.
     pub fn hold_by_height(&mut self, base: &Isometry3<f64>, position: &[f64], tolerance: f64) -> &Balance {
         self.kinematics.place(base, position);
         self.hold_placed(self.kinematics.contacts_by_height(tolerance), &Vector3::zeros())
     }
 
-    /// Takes from the balance of the last call what no ground can give: moves the centre of pressure of each
-    /// foot into this share of its sole's half extents, and takes the moment that goes with it from the
-    /// joints. The base is no longer in balance then: the robot tips over the border of its sole, as when it
-    /// steps.
+    /// Removes from the last balance what the ground cannot apply: moves each foot's centre of pressure into
+    /// this share of its sole's half extents, and subtracts the corresponding moment from the joints. The
+    /// base is then no longer in balance: the robot tips over the edge of its sole, as in a step.
     pub fn keep_pressure_within(&mut self, share: f64) -> &Balance {
         for side in 0..2 {
             let wrench = self.balance.wrench[side];
@@ -166,14 +165,14 @@ impl GravityCompensation {
         &self.balance
     }
 
-    /// The wrench about the base origin that carries the robot's weight.
+    /// The wrench about the base origin that supports the robot's weight.
     fn weight(&self) -> Vector6<f64> {
         let force = self.kinematics.total_mass() * GRAVITY;
         let lever = self.kinematics.com().coords - self.kinematics.base().translation.vector;
         Vector6::new(0.0, 0.0, force, lever.y * force, -lever.x * force, 0.0)
     }
 
-    /// The row of `J^T` of a joint below which a foot hangs: its torque per wrench about the base origin.
+    /// The row of `J^T` of a joint above a foot: its torque per wrench about the base origin.
     fn row(&self, joint: usize) -> Vector6<f64> {
         let axis = self.kinematics.axis(joint);
         let lever =
@@ -182,8 +181,8 @@ impl GravityCompensation {
         Vector6::new(linear.x, linear.y, linear.z, axis.x, axis.y, axis.z)
     }
 
-    /// The left foot's wrench that minimises the weighted torques when both feet carry `weight`
-    /// together: one 6 x 6 normal equation. A joint that carries both feet sees only their sum.
+    /// The left foot's wrench that minimises the weighted torques when both feet support `weight`: one 6 x 6
+    /// normal equation. A joint above both feet depends only on their sum.
     fn left_share(&self, weight: &Vector6<f64>) -> Vector6<f64> {
         let mut normal = Matrix6::zeros();
         let mut target = Vector6::zeros();
@@ -210,9 +209,9 @@ impl GravityCompensation {
         solve_positive(&normal, &target)
     }
 
-    /// From a wrench about the base origin to that on a sole, in its frame, each entry relative to what a
-    /// sole that carries the whole weight can give: friction, weight, and the moments of a force at its
-    /// border.
+    /// Maps a wrench about the base origin to one on a sole, in its frame, with each entry relative to the
+    /// limit of a sole that carries the whole weight: friction, weight, and the moments of a force at its
+    /// edge.
     fn relative_wrench(&self, side: usize) -> Matrix6<f64> {
         let (sole, force) = (self.kinematics.sole(side), self.kinematics.total_mass() * GRAVITY);
         let lever = sole.translation.vector - self.kinematics.base().translation.vector;
@@ -249,8 +248,8 @@ impl GravityCompensation {
     }
 }
 
-/// Solves a symmetric positive semidefinite system; a singular one (two straight legs in line) is
-/// regularised by 1e-9 of its mean diagonal.
+/// Solves a symmetric positive semidefinite system; a singular one (two straight legs in line) is regularised
+/// by 1e-9 of its mean diagonal.
 fn solve_positive(lower: &Matrix6<f64>, target: &Vector6<f64>) -> Vector6<f64> {
     if let Some(factor) = SMatrix::cholesky(*lower) {
         return factor.solve(target);

@@ -1,5 +1,5 @@
-//! E0424: figures beyond what any machine has. They stand for a wrong unit or a placeholder, and overflow in
-//! a training.
+//! E0424: values beyond those of any machine. They indicate a wrong unit or a placeholder, and overflow in
+//! training.
 
 use nalgebra::Vector3;
 
@@ -8,10 +8,10 @@ use super::{Examined, Outlier, path_of, worst};
 use crate::robot::checks::Issue;
 use crate::robot::model::{Body, Joint, Robot, Shape};
 
-/// The code of what is found here.
+/// The code of these findings.
 pub const CODE: &str = "E0424";
 
-/// A figure of a joint with the largest value that is accepted.
+/// A joint parameter with its maximum.
 struct Bound {
     key: &'static str,
     of: fn(&Joint) -> f64,
@@ -20,8 +20,8 @@ struct Bound {
     help: &'static str,
 }
 
-/// Hydraulic joints of the largest walking machines have 1e4 N m, and TOCABI's rotors 1.1 kg m^2: each bound
-/// leaves a factor of ten or more above the largest figure that is known.
+/// Hydraulic joints of the largest walking machines have 1e4 N m, and TOCABI's rotors 1.1 kg m^2. Each bound
+/// is at least ten times the largest known value.
 const JOINT: [Bound; 9] = [
     Bound {
         key: "effort_limit",
@@ -85,7 +85,7 @@ pub const INERTIA: f64 = 1e7;
 /// Largest length in m.
 pub const LENGTH: f64 = 100.0;
 
-/// No figure is beyond its bound.
+/// No value exceeds its bound.
 pub fn check(robot: &Robot) -> Examined {
     let joints = || robot.links.iter().enumerate().map(|(index, link)| (index, &link.joint));
     let mut issues: Vec<Issue> = JOINT.iter().filter_map(|bound| bound.beyond(joints())).collect();

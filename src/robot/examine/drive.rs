@@ -1,7 +1,7 @@
-//! W0414, W0415 and E0425: limits that no motor has, and friction, damping and rotors that the joint's own
-//! motor cannot move.
+//! W0414, W0415 and E0425: limits that no motor has, and friction, damping and rotor inertia that the joint's
+//! own motor cannot overcome.
 //!
-//! Descriptions that were written for a viewer hold 1000 N m or 1000 rad/s where a figure is asked for.
+//! Robot descriptions written for a viewer have 1000 N m or 1000 rad/s as placeholders.
 
 use std::f64::consts::TAU;
 
@@ -12,19 +12,19 @@ use crate::robot::kinematics::GRAVITY;
 use crate::robot::model::{Joint, Robot};
 use crate::spec::suggest::listed;
 
-/// A leg's joint that carries so many times the robot's weight at the leg's length is not of this robot; a
-/// knee that squats needs about half of it. TOCABI has 0.4, Atlas and G1 0.5.
+/// Maximum torque of a leg joint, relative to the robot's weight times its leg length; a squatting knee needs
+/// about 0.5. TOCABI has 0.4, Atlas and G1 0.5.
 const WEIGHTS: f64 = 5.0;
-/// The speed limit in rad/s that no leg's joint reaches; the fastest are near 40.
+/// Speed limit in rad/s that no leg joint reaches; the fastest reach about 40.
 const FASTEST: f64 = 100.0;
-/// The range in rad that no leg's joint has.
+/// Range in rad that no leg joint has.
 const TURN: f64 = TAU;
-/// The speed in rad/s that every leg's joint must reach against its own damping; a slow walk needs 2.
+/// Speed in rad/s that every leg joint must reach against its own damping; slow walking needs 2.
 const SLOWEST: f64 = 1.0;
-/// Joints that are named; beyond them their number is told.
+/// Maximum number of joints listed by name; of the rest only the count is shown.
 const NAMED: usize = 3;
 
-/// Limits, friction and rotors fit the robot.
+/// Limits, friction and rotor inertias fit the robot.
 pub fn check(robot: &Robot) -> Examined {
     let hold = holding(robot);
     let mut issues: Vec<Issue> = stuck(robot).into_iter().collect();
@@ -44,7 +44,7 @@ fn joints(robot: &Robot) -> impl Iterator<Item = (usize, &Joint)> {
     robot.links.iter().enumerate().map(|(index, link)| (index, &link.joint))
 }
 
-/// The robot's weight times the length of its longer leg in N m; `None` while a mass is to be filled in.
+/// The robot's weight times the length of its longer leg in N m; `None` if a mass is missing.
 fn holding(robot: &Robot) -> Option<f64> {
     let length = robot.feet.iter().map(|foot| chain(robot, foot.link)).fold(0.0, f64::max);
     let known = bodies(robot).all(|(_, body)| body.mass > 0.0);
@@ -57,7 +57,7 @@ fn chain(robot: &Robot, link: usize) -> f64 {
     own + robot.links[link].parent.map_or(0.0, |parent| chain(robot, parent))
 }
 
-/// One issue for each sort of limit that looks like a placeholder (W0414).
+/// One issue per type of limit that looks like a placeholder (W0414).
 fn placeholders(robot: &Robot, hold: Option<f64>) -> Vec<Issue> {
     let told =
         |key: &str, of: &dyn Fn(&Joint) -> f64, most: f64, say: &dyn Fn(&str, f64) -> String, help: &str| {
@@ -123,7 +123,7 @@ fn names(found: &[(usize, &Joint)], joints: usize) -> String {
     }
 }
 
-/// Joints that their motors cannot move (E0425). An effort limit of zero is one that the import leaves open.
+/// Joints that their motors cannot move (E0425). An effort limit of zero is missing in the import.
 fn stuck(robot: &Robot) -> Option<Issue> {
     let held =
         joints(robot).filter(|(_, joint)| joint.effort_limit > 0.0 && joint.friction >= joint.effort_limit);
@@ -138,7 +138,7 @@ fn stuck(robot: &Robot) -> Option<Issue> {
     worst("E0425", found.collect(), "joints", "write a Coulomb friction below the effort limit")
 }
 
-/// Joints that their own damping holds (W0415).
+/// Joints that are slowed down too much by their own damping (W0415).
 fn slow(robot: &Robot) -> Option<Issue> {
     let held = joints(robot)
         .filter(|(_, joint)| joint.effort_limit > 0.0 && joint.damping * SLOWEST > joint.effort_limit);
@@ -155,7 +155,7 @@ fn slow(robot: &Robot) -> Option<Issue> {
     worst("W0415", found.collect(), "joints", help)
 }
 
-/// Rotors that are as hard to turn as the whole robot at the size of its legs (W0415).
+/// Rotors with an inertia as large as the whole robot's at leg length (W0415).
 fn heavy(robot: &Robot) -> Option<Issue> {
     let reach = reach(robot);
     let whole = robot.total_mass() * reach * reach;

@@ -1,4 +1,4 @@
-//! E0428: motors that cannot hold the robot up where episodes begin.
+//! E0428: motors that cannot hold the robot in its default pose.
 
 use nalgebra::Isometry3;
 
@@ -6,8 +6,8 @@ use super::{Examined, Outlier, worst};
 use crate::robot::gravity::{GravityCompensation, Weighting};
 use crate::robot::model::Robot;
 
-/// The torques that hold the default pose on both feet are within the motors' limits. A limit of zero is one
-/// that the import leaves open.
+/// The torques that hold the default pose on both feet are within the effort limits. A limit of zero is
+/// missing in the import.
 pub fn check(robot: &Robot) -> Examined {
     let mut gravity = GravityCompensation::new(robot, Weighting::EffortLimits);
     let balance = gravity.hold(&Isometry3::identity(), &robot.default_pose(), [true; 2]);

@@ -1,4 +1,4 @@
-//! How far a pose is from standing on both soles, and the positions that level them.
+//! Whether both soles are level, and the joint positions that level them.
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Unit, UnitQuaternion, Vector3};
 
@@ -6,14 +6,13 @@ use crate::robot::kinematics::Kinematics;
 use crate::robot::legs;
 use crate::robot::model::Robot;
 
-/// Steepest tilt of a sole in rad: its edge stands 2 mm high at a length of 0.2 m, as much as contacts give.
-/// Three positions that are rounded to a hundredth stay below it.
+/// Maximum tilt of a sole in rad: it lifts the edge of a 0.2 m sole by 2 mm, as much as contacts give way.
+/// Three positions rounded to a hundredth stay below it.
 pub const TILT: f64 = 0.01;
-/// Largest difference of the soles' heights in m, that by which left and right may miss each other's mirror
-/// image.
+/// Maximum difference of the soles' heights in m; the same tolerance as for mirror images of left and right.
 pub const APART: f64 = 2e-3;
 
-/// Tilt of a sole in rad from which on the frame of its link is turned, and no joint off.
+/// From this tilt in rad, the sole's frame is rotated rather than a joint off.
 pub const FRAME: f64 = std::f64::consts::FRAC_PI_4;
 
 /// Tilt of a sole in rad and its normal.
@@ -35,19 +34,19 @@ pub fn steepest(robot: &Robot) -> f64 {
     tilt(&kinematics, 0).0.max(tilt(&kinematics, 1).0)
 }
 
-/// How to level the steeper sole of a robot whose legs are alike; `None` where it is level.
+/// How to level the steeper sole of a robot with mirrored legs; `None` if it is level.
 pub fn rest(robot: &Robot) -> Option<String> {
     let kinematics = Kinematics::new(robot);
     let side = usize::from(tilt(&kinematics, 1).0 > tilt(&kinematics, 0).0);
     (tilt(&kinematics, side).0 > TILT).then(|| advice(robot, &kinematics, side))
 }
 
-/// A position for people: four decimals. Adding zero takes the sign from a rounded zero.
+/// A position for display: four decimals. Adding zero turns -0 into 0.
 pub fn rounded(position: f64) -> f64 {
     (1e4 * position).round() / 1e4 + 0.0
 }
 
-/// What helps where one sole alone is tilted, although the positions of both legs mirror each other.
+/// Advice if only one sole is tilted although both legs have mirrored positions.
 pub fn turned(robot: &Robot, side: usize) -> String {
     let name = |side: usize| robot.links[robot.feet[side].link].body.name.as_str();
     let (foot, other) = (name(side), name(1 - side));
@@ -58,8 +57,8 @@ pub fn turned(robot: &Robot, side: usize) -> String {
     )
 }
 
-/// How to level a sole: by the joint next to the foot that turns about the right axis, else by its frame or
-/// its leg.
+/// How to level a sole: by the joint next to the foot that turns about the right axis, otherwise by its frame
+/// or its leg.
 pub fn advice(robot: &Robot, kinematics: &Kinematics, side: usize) -> String {
     let (tilt, normal) = tilt(kinematics, side);
     let foot = &robot.links[robot.feet[side].link].body.name;
@@ -94,8 +93,8 @@ pub fn advice(robot: &Robot, kinematics: &Kinematics, side: usize) -> String {
     }
 }
 
-/// Positions of a leg, by inverse kinematics, in which the foot is where it is and level. `None` where the
-/// leg does not reach that.
+/// Positions of a leg, by inverse kinematics, that level the foot at its present place. `None` if the leg
+/// cannot reach it.
 fn levelled(robot: &Robot, side: usize) -> Option<String> {
     let mut kinematics = Kinematics::new(robot);
     let foot = *kinematics.pose(robot.feet[side].link);

@@ -1,5 +1,5 @@
-//! Default positions that do not mirror each other: the cause of most poses in which the soles are off.
-//! Levelling one sole by its ankle would move the fault to the other leg.
+//! Asymmetric default positions, which cause most poses with tilted soles. Levelling one sole by its ankle
+//! would move the error to the other leg.
 
 use super::level::{self, rounded};
 use crate::robot::kinematics::Kinematics;
@@ -7,42 +7,42 @@ use crate::robot::legs;
 use crate::robot::model::Robot;
 use crate::robot::symmetry;
 
-/// Difference in rad up to which two positions are images of each other.
+/// Maximum difference in rad of mirrored positions.
 const ALIKE: f64 = 1e-3;
-/// Pairs that are named; beyond them their number is told.
+/// Maximum number of pairs listed by name; of the rest only the count is shown.
 const NAMED: usize = 3;
 
-/// Two joints whose default positions are no images of each other.
+/// Two joints whose default positions do not mirror each other.
 #[derive(Clone, Copy, Debug)]
 struct Unlike {
-    /// The joint of the left leg, or one in the middle.
+    /// The joint of the left leg, or one on the centre line.
     joint: usize,
-    /// Its mirror image; the same joint in the middle.
+    /// Its mirror image; itself for a joint on the centre line.
     image: usize,
     /// The sign of the mirrored coordinate.
     sign: f64,
 }
 
-/// A position to write in place of the one in the file.
+/// A position that should replace the one in the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Change {
     joint: usize,
     position: f64,
 }
 
-/// What is wrong with a pose whose two sides do not mirror each other.
+/// Why the two sides of a pose do not mirror each other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cause {
-    /// Where the first position to change stands, as a path in the robot's file.
+    /// Place of the first position to change, as a path in the robot's file.
     pub path: String,
     /// What differs and which positions to write.
     pub help: String,
-    /// Whether these positions level both soles.
+    /// Whether the suggested positions level both soles.
     pub levels: bool,
 }
 
-/// Default positions that do not mirror each other, with the positions to write. `None` where they do, or
-/// where the two sides of the robot have no mirror map.
+/// Default positions that do not mirror each other, with suggested positions. `None` if they do, or if the
+/// robot has no mirror map.
 pub fn cause(robot: &Robot) -> Option<Cause> {
     let pairs = unlike(robot, &map(robot)?);
     let first = pairs.first()?;
@@ -74,17 +74,18 @@ pub fn cause(robot: &Robot) -> Option<Cause> {
     })
 }
 
-/// Whether the two sides of a robot have a mirror map, by which their positions can be compared.
+/// Whether the robot has a mirror map, so that the positions of both sides can be compared.
 pub fn is_known(robot: &Robot) -> bool {
     map(robot).is_some()
 }
 
-/// The mirror map of a robot, also of one that is not finished.
+/// The mirror map of a robot, which may be incomplete.
 fn map(robot: &Robot) -> Option<Vec<(usize, f64)>> {
     if robot.mirror.is_empty() { symmetry::mirror_map(robot).ok() } else { Some(robot.mirror.clone()) }
 }
 
-/// The difference of two default positions in rad and in words (W0417): what one of them would have to be.
+/// The difference of two default positions in rad, and as text (W0417) with the expected value of one of
+/// them.
 pub fn difference(robot: &Robot, pair: [usize; 2], sign: f64) -> (f64, String) {
     let [own, other] = pair.map(|index| &robot.links[index].joint);
     let turned = if sign < 0.0 { " with the other sign" } else { "" };
@@ -98,7 +99,7 @@ pub fn difference(robot: &Robot, pair: [usize; 2], sign: f64) -> (f64, String) {
     ((own.default_position - sign * other.default_position).abs(), words)
 }
 
-/// The joints whose default positions differ from those of their images, those of the left leg first.
+/// Joints whose default positions differ from those of their images, left leg first.
 fn unlike(robot: &Robot, mirror: &[(usize, f64)]) -> Vec<Unlike> {
     let left = legs::own(&Kinematics::new(robot), 0);
     let position = |joint: usize| robot.links[joint].joint.default_position;
@@ -111,7 +112,7 @@ fn unlike(robot: &Robot, mirror: &[(usize, f64)]) -> Vec<Unlike> {
     pairs.filter(once).filter(differs).collect()
 }
 
-/// The positions that make one side the image of the other; joints in the middle go to zero.
+/// The positions that make one side the image of the other; joints on the centre line become zero.
 fn changes(robot: &Robot, pairs: &[Unlike], of_left: bool) -> Vec<Change> {
     let position = |joint: usize| robot.links[joint].joint.default_position;
     let change = |pair: &Unlike| match (pair.joint == pair.image, of_left) {

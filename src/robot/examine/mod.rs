@@ -1,9 +1,8 @@
-//! What the figures of a sound model say about the robot: whether it stands in its default pose, and whether
-//! masses, lengths and drives have the units that their file claims.
+//! Plausibility checks of a valid model: whether the robot stands in its default pose, and whether masses,
+//! lengths and drives fit the units of its file.
 //!
-//! The only list of these checks. `check`, `new`, `run`, `evaluate`, `robot show` and the import all read it.
-//! An error is a robot with which no experiment works; a warning is a figure that is far from those of known
-//! robots.
+//! The only list of these checks, used by `check`, `new`, `run`, `evaluate`, `robot show` and the import. An
+//! error means that no experiment can use the robot; a warning is a value far from those of known robots.
 
 mod bounds;
 mod drive;
@@ -31,14 +30,14 @@ use crate::robot::model::Robot;
 pub struct Examined {
     /// The property that is checked, as a statement.
     pub name: &'static str,
-    /// The figure behind the outcome.
+    /// The value that decided the result.
     pub detail: String,
-    /// What was found; empty when the property holds.
+    /// The issues found; empty if the property holds.
     pub issues: Vec<Issue>,
 }
 
-/// Every check of a robot, in the order in which they are reported. Figures beyond all bounds have no
-/// geometry, so the other checks are left out where there are any.
+/// All checks of a robot, in reporting order. Values beyond the bounds make the geometry meaningless, so the
+/// other checks are then skipped.
 pub fn all(robot: &Robot) -> Vec<Examined> {
     let mut found = figures(robot);
     if found.iter().flat_map(|check| &check.issues).all(|issue| issue.code != bounds::CODE) {
@@ -51,7 +50,7 @@ pub fn all(robot: &Robot) -> Vec<Examined> {
     found
 }
 
-/// The checks of single figures: bounds, units, drives.
+/// The checks of individual values: bounds, units, drives.
 pub fn figures(robot: &Robot) -> Vec<Examined> {
     let bounds = bounds::check(robot);
     if !bounds.issues.is_empty() {
@@ -65,33 +64,32 @@ pub fn default_pose(robot: &Robot) -> Vec<Examined> {
     pose::checks(robot)
 }
 
-/// Feet that do not lie left and right (E0426): the cause where the sides have nothing in common.
+/// Feet on the wrong sides (E0426), as the reason that the two sides do not match.
 pub fn sides(robot: &Robot) -> Option<Issue> {
     sides::issue(robot)
 }
 
-/// Why the two sides do not stand alike: default positions that do not mirror each other, with those to
-/// write.
+/// Why the two sides differ in the default pose: positions that do not mirror each other, with suggestions.
 pub fn unmirrored(robot: &Robot) -> Option<String> {
     mirrored::cause(robot).map(|cause| cause.help)
 }
 
-/// Everything that was found.
+/// All issues found.
 pub fn issues(checks: Vec<Examined>) -> Vec<Issue> {
     checks.into_iter().flat_map(|check| check.issues).collect()
 }
 
-/// A figure that stands out.
+/// An outlier.
 struct Outlier {
-    /// By how much, for choosing the one that is reported.
+    /// Its size, to select the one that is reported.
     excess: f64,
-    /// Where it stands in the file.
+    /// Its path in the file.
     path: String,
-    /// What it is.
+    /// The message.
     message: String,
 }
 
-/// One issue for several figures of one kind: the worst, with the number of the others.
+/// One issue for several outliers of one kind: the worst, and the number of others.
 fn worst(code: &'static str, found: Vec<Outlier>, others: &str, help: &str) -> Option<Issue> {
     let more = found.len().saturating_sub(1);
     let worst = found.into_iter().reduce(|a, b| if b.excess > a.excess { b } else { a })?;
@@ -100,7 +98,7 @@ fn worst(code: &'static str, found: Vec<Outlier>, others: &str, help: &str) -> O
     Some(Issue { code, path: worst.path, message, help: help.to_owned() })
 }
 
-/// The paths of a robot's bodies in its file: 0 is the base.
+/// The path of a body in the robot's file: 0 is the base.
 fn path_of(body: usize) -> String {
     body.checked_sub(1).map_or_else(|| "base".to_owned(), |link| format!("links.{link}"))
 }

@@ -1,11 +1,11 @@
-//! W0417: figures that differ between a joint or body and its mirror image. One of them is usually a slip of
+//! W0417: values that differ between a joint or body and its mirror image, usually because of a mistake in
 //! the file.
 
 use super::{Examined, Outlier, level, mirrored, path_of, worst};
 use crate::robot::checks::Issue;
 use crate::robot::model::{Joint, Robot};
 
-/// Difference as a share of the larger figure up to which the two sides agree: halves that were measured
+/// Relative difference, as a share of the larger value, up to which the two sides agree: measured halves
 /// differ by less.
 const SHARE: f64 = 0.1;
 /// Difference of limits in rad up to which the two sides agree.
@@ -14,7 +14,7 @@ const ANGLE: f64 = 0.1;
 /// Difference of default positions in rad up to which the two sides agree.
 const POSE: f64 = 0.02;
 
-/// A figure of a joint that its mirror image has too.
+/// A joint parameter to compare with the mirror image.
 struct Figure {
     key: &'static str,
     unit: &'static str,
@@ -31,7 +31,7 @@ const FIGURES: [Figure; 7] = [
     Figure { key: "damping_gain", unit: "N m s/rad", of: |joint| joint.damping_gain },
 ];
 
-/// Joints, bodies and soles of both sides have the same figures.
+/// Joints, bodies and soles of both sides have the same parameters.
 pub fn check(robot: &Robot) -> Examined {
     let pairs: Vec<(usize, usize, f64)> = robot
         .mirror
@@ -56,7 +56,7 @@ pub fn check(robot: &Robot) -> Examined {
     }
 }
 
-/// The difference of two figures as a share of the larger one, where they do not agree.
+/// The difference of two values as a share of the larger one, if they disagree.
 fn apart(one: f64, other: f64) -> Option<f64> {
     let share = (one - other).abs() / one.abs().max(other.abs());
     (share > SHARE).then_some(share)
@@ -93,7 +93,7 @@ fn joints(robot: &Robot, pair: [usize; 2], sign: f64) -> Vec<Outlier> {
         found.push(Outlier { excess, path: format!("links.{}.joint.lower", pair[1]), message });
     }
     let (apart, message) = mirrored::difference(robot, pair, sign);
-    // Where the soles are off the pose itself is told, with the positions to write.
+    // If the soles are not level, the check of the pose reports it, with the positions to write.
     if apart > POSE && level::is_level(robot) {
         let excess = apart / (one.upper - one.lower).max(other.upper - other.lower);
         found.push(Outlier { excess, path: format!("links.{}.joint.default_position", pair[1]), message });
@@ -104,7 +104,7 @@ fn joints(robot: &Robot, pair: [usize; 2], sign: f64) -> Vec<Outlier> {
 fn masses(robot: &Robot, pair: [usize; 2]) -> Option<Outlier> {
     let [one, other] = pair.map(|index| &robot.links[index].body);
     let excess = apart(one.mass, other.mass)?;
-    // Bodies of a few grams are brackets, which may be on one side alone.
+    // Bodies of a few grams are brackets, which may be on one side only.
     let counts = (one.mass - other.mass).abs() > 2e-3 * robot.total_mass();
     let message = format!(
         "the mass is {:.5} kg of `{}` and {:.5} kg of `{}`, its mirror image",

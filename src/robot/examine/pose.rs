@@ -1,5 +1,5 @@
-//! E0420 to E0423 and W0416: whether the robot stands in its default pose, base upright. Episodes begin
-//! there.
+//! E0420 to E0423 and W0416: whether the robot stands in its default pose with the base upright, in which
+//! episodes begin.
 
 use super::level::{self, APART, TILT, tilt};
 use super::{Examined, Outlier, mirrored, path_of, worst};
@@ -11,10 +11,10 @@ use crate::robot::self_collision::{Pair, SelfCollision};
 use crate::robot::solid::{pose, solid};
 use crate::robot::support::Support;
 
-/// Depth in m by which a body other than a foot may be below the soles.
+/// Depth in m by which bodies other than feet may be below the soles.
 const DEPTH: f64 = 1e-3;
-/// Bodies on one chain that are at most so many joints apart may overlap: the joints of a hip share one
-/// place, and shapes around them do not tell them apart.
+/// Bodies on one chain may overlap if at most this many joints apart: the joints of a hip coincide, and the
+/// shapes around them overlap.
 const NEAR: usize = 3;
 
 const SIDES: [&str; 2] = ["left", "right"];
@@ -42,7 +42,7 @@ fn soles(robot: &Robot, kinematics: &Kinematics) -> Examined {
         let advice = || level::advice(robot, kinematics, steepest);
         let alone = tilts.iter().any(|tilt| *tilt <= TILT);
         let (path, help) = match mirrored::cause(robot) {
-            // A frame that is turned this far is no matter of positions.
+            // Joint positions do not explain a larger tilt.
             Some(cause) if tilts[steepest] <= level::FRAME || cause.levels => (cause.path, cause.help),
             None if alone && mirrored::is_known(robot) => {
                 (format!("feet.{side}"), level::turned(robot, steepest))
@@ -67,7 +67,7 @@ fn soles(robot: &Robot, kinematics: &Kinematics) -> Examined {
     }
 }
 
-/// What helps where one sole is lower and the positions of both legs mirror each other.
+/// Advice if one sole is lower although both legs have mirrored positions.
 fn boxes(robot: &Robot) -> String {
     let below = robot.feet.each_ref().map(|foot| -1e3 * foot.sole());
     if (below[0] - below[1]).abs() <= 1e3 * APART {
@@ -127,7 +127,7 @@ fn support(kinematics: &Kinematics) -> Examined {
     }
 }
 
-/// Nothing but the soles touches the ground (E0422).
+/// Only the soles touch the ground (E0422).
 fn ground(robot: &Robot, kinematics: &Kinematics) -> Examined {
     let floor =
         [0, 1].map(|side| kinematics.sole(side).translation.z).into_iter().fold(f64::INFINITY, f64::min);
@@ -177,7 +177,7 @@ fn ground(robot: &Robot, kinematics: &Kinematics) -> Examined {
     }
 }
 
-/// No two bodies are inside each other (E0423, W0416).
+/// No two bodies overlap (E0423, W0416).
 fn overlaps(robot: &Robot) -> Examined {
     let pairs = SelfCollision::overlapping(robot);
     let kinematics = Kinematics::new(robot);
@@ -205,7 +205,7 @@ fn overlaps(robot: &Robot) -> Examined {
     }
 }
 
-/// Whether one body hangs on the other by a few joints.
+/// Whether two bodies are connected by a chain of few joints.
 fn is_near(robot: &Robot, [first, second]: Pair) -> bool {
     let parent = |body: &usize| {
         body.checked_sub(1).map(|link| robot.links[link].parent.map_or(0, |parent| parent + 1))

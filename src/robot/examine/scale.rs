@@ -1,8 +1,8 @@
-//! W0410 to W0413: masses, inertias, lengths and centres of mass that do not fit each other, as after a wrong
-//! unit.
+//! W0410 to W0413: masses, inertias, lengths and centres of mass that do not fit each other, for example
+//! because of a wrong unit.
 //!
-//! A factor between common units is 1000 (g, mm) or its powers, or 100 (cm); published robots differ from
-//! each other by less than 10 in all that is compared here. The thresholds lie between.
+//! Common units differ by a factor of 1000 (g, mm) or its powers, or 100 (cm); published robots differ by
+//! less than 10 in all quantities compared here. The thresholds are in between.
 
 use std::f64::consts::PI;
 
@@ -15,24 +15,23 @@ use crate::robot::solid::solid;
 /// Size in m of the smallest and the largest robot: a tenth of a palm-sized biped, twice the tallest walking
 /// machine.
 const SIZES: [f64; 2] = [0.03, 10.0];
-/// Mass over the cube of the size in kg/m^3. Bolt has 10, Atlas 50, NAO 200; water has 1000.
+/// Mass divided by size cubed in kg/m^3. Bolt has 10, Atlas 50, NAO 200; water has 1000.
 const DENSITIES: [f64; 2] = [0.5, 1000.0];
-/// Density in kg/m^3 of which no body is made: tungsten has 19 300. Half the radius of gyration of such a
-/// ball is less than that of any body of its mass.
+/// Density in kg/m^3 above that of any body (tungsten: 19 300). Half the radius of gyration of such a sphere
+/// is a lower bound for bodies of its mass.
 const DENSEST: f64 = 20_000.0;
-/// A radius of gyration of so many times a body's own size is not of that body: it is at most half of its
-/// diameter, and the size is known from joints and shapes alone.
+/// Maximum radius of gyration relative to the body's size. It is at most half of the diameter, but the size
+/// is only estimated from joints and shapes.
 const GYRATION: f64 = 3.0;
-/// The same as a share of the robot's size, for bodies whose joints and shapes say too little.
+/// The same relative to the robot's size, for bodies with too few joints and shapes.
 const GYRATION_OF_ROBOT: f64 = 0.3;
-/// A centre of mass so many sizes of its body outside of it is not in that body.
+/// Maximum distance of a centre of mass outside its body, relative to the body's size.
 const OUTSIDE: f64 = 1.0;
-/// The same as a share of the robot's size.
+/// The same relative to the robot's size.
 const OUTSIDE_OF_ROBOT: f64 = 0.3;
-/// A shape of so many times the robot's size is of another unit than its joints.
+/// A shape this many times larger than the robot has another unit than its joints.
 const SHAPE: f64 = 3.0;
-/// The sole's length as a share of the robot's size: point feet have 0.02, and no sole is as long as the
-/// legs.
+/// Sole length relative to the robot's size: point feet have 0.02, and no sole is as long as the legs.
 const SOLES: [f64; 2] = [0.005, 1.0];
 
 /// Masses, lengths and inertias fit each other.
@@ -90,7 +89,7 @@ fn soles(robot: &Robot, reach: f64) -> Option<Issue> {
     let [least, most] = SOLES;
     let sides = ["left", "right"].iter().zip(&robot.feet);
     let lengths = sides.map(|(side, foot)| (side, 2.0 * foot.half_extents.x.max(foot.half_extents.y)));
-    // A foot without a shape has no box yet.
+    // The sole of a foot without shapes is still missing.
     let odd = lengths.filter(|(_, length)| *length > 0.0 && !(least * reach..=most * reach).contains(length));
     let found = odd.map(|(side, length)| Outlier {
         excess: libm::log(length / reach).abs(),
@@ -124,7 +123,7 @@ fn mass(robot: &Robot, reach: f64) -> Option<Issue> {
 fn inertias(robot: &Robot, reach: f64) -> Option<Issue> {
     let odd = |(index, body): (usize, &Body)| {
         let largest = body.inertia.symmetric_eigenvalues().max();
-        // The import leaves masses open that its file does not say.
+        // A mass that the file lacks is zero in the import.
         if !(body.mass > 0.0 && largest > 0.0) {
             return None;
         }

@@ -1,6 +1,6 @@
-//! W0424: position servos that are too soft to move their joints or to hold the robot, at 100 % stiffness.
+//! W0424: position servos that are too soft to move their joints or to hold the robot at 100 % stiffness.
 //!
-//! Torque control does not use them, so this is no error of the robot; a spec that does has its own check.
+//! Torque control does not use them, so this is not an error; a spec that does has its own check.
 
 use nalgebra::Isometry3;
 
@@ -8,14 +8,13 @@ use super::{Examined, Outlier, worst};
 use crate::robot::gravity::{GravityCompensation, Weighting};
 use crate::robot::model::{Joint, Robot};
 
-/// The code of what is found here.
+/// The code of these findings.
 pub const CODE: &str = "W0424";
 
 /// Share of the effort limit that a servo must be able to command: less is lost in friction and rounding.
 const LEAST: f64 = 0.01;
 
-/// Share of the torque which holds the default pose that a servo must be able to command: the rest is spared
-/// by leaning.
+/// Share of the torque of the default pose that a servo must be able to command: leaning reduces the rest.
 const HOLDING: f64 = 0.25;
 
 /// A joint whose position servo commands too little torque.
@@ -23,16 +22,16 @@ const HOLDING: f64 = 0.25;
 pub struct Weak {
     /// Index of the joint.
     pub joint: usize,
-    /// The largest torque in N m that a target within the joint's range commands in the default pose.
+    /// Maximum torque in N m commanded in the default pose by a target within the joint's range.
     pub most: f64,
-    /// The torque in N m that it has to command at least.
+    /// The required torque in N m.
     pub needed: f64,
-    /// The torque in N m which holds the default pose.
+    /// The torque in N m that holds the default pose.
     standing: f64,
 }
 
-/// The joints whose servos are too soft with this share of the robot's own stiffness, targets within the
-/// joints' limits. An effort limit of zero is one that an import leaves open.
+/// The joints whose servos are too soft at this share of the robot's own stiffness, with targets within the
+/// joint limits. An effort limit of zero is missing in an import.
 pub fn weak(robot: &Robot, stiffness: f64) -> Vec<Weak> {
     let most = |joint: &Joint| {
         let Joint { lower, upper, default_position, .. } = joint;
@@ -52,7 +51,7 @@ pub fn weak(robot: &Robot, stiffness: f64) -> Vec<Weak> {
 }
 
 impl Weak {
-    /// What the servo lacks: a clause after the joint's name.
+    /// The problem of the servo: a clause after the joint's name.
     pub fn in_words(&self, robot: &Robot) -> String {
         let limit = robot.links[self.joint].joint.effort_limit;
         let (most, standing) = (short(self.most), short(self.standing));

@@ -1,4 +1,4 @@
-//! E0426: whether the left foot lies on the left. Mirrored motions, commands and rewards depend on it.
+//! E0426: whether the left foot is on the left. Mirrored motions, commands and rewards depend on it.
 
 use nalgebra::{Isometry3, Vector3};
 
@@ -8,10 +8,10 @@ use crate::robot::kinematics::Kinematics;
 use crate::robot::model::Robot;
 use crate::robot::symmetry::side_of;
 
-/// Distance in m between the soles from which on they lie on sides.
+/// Minimum distance in m between the soles for a definite left and right.
 const CLEAR: f64 = 1e-3;
 
-/// The left foot lies on the left and the right one on the right, with all joints at zero.
+/// With all joints at zero, the left foot is on the left and the right one on the right.
 pub fn check(robot: &Robot) -> Examined {
     let way = across(robot);
     Examined {
@@ -28,7 +28,7 @@ fn across(robot: &Robot) -> Vector3<f64> {
     kinematics.sole(0).translation.vector - kinematics.sole(1).translation.vector
 }
 
-/// Feet that do not lie left and right, with the cause.
+/// Feet on the wrong sides, with the cause.
 pub fn issue(robot: &Robot) -> Option<Issue> {
     let way = across(robot);
     if way.norm() < CLEAR || (way.y > way.x.abs() && way.y > way.z.abs()) {

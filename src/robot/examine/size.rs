@@ -1,5 +1,5 @@
-//! How large a robot and its bodies are, from joints, soles and shapes: the measure of every figure that has
-//! a length in it.
+//! The size of a robot and its bodies, from joints, soles and shapes: the reference for all quantities that
+//! depend on length.
 
 use nalgebra::{Point3, Vector3};
 
@@ -7,8 +7,8 @@ use crate::robot::kinematics::Kinematics;
 use crate::robot::model::{Body, Robot};
 use crate::robot::solid::{pose, sole, solid};
 
-/// Largest distance in m between two joints or corners of soles in the default pose. Shapes and centres of
-/// mass are left out, because they are what is measured by it.
+/// Maximum distance in m between two joints or sole corners in the default pose. Shapes and centres of mass
+/// are excluded, because they are compared with it.
 pub fn reach(robot: &Robot) -> f64 {
     let kinematics = Kinematics::new(robot);
     let joints = (0..robot.joints()).map(|joint| Point3::from(kinematics.pose(joint).translation.vector));
@@ -18,13 +18,12 @@ pub fn reach(robot: &Robot) -> f64 {
     points.iter().map(apart).fold(0.0, f64::max)
 }
 
-/// The base and the links, 0 is the base.
+/// The base (0) and the links.
 pub fn bodies(robot: &Robot) -> impl Iterator<Item = (usize, &Body)> {
     std::iter::once(&robot.base).chain(robot.links.iter().map(|link| &link.body)).enumerate()
 }
 
-/// The box along the axes of a body's frame around its origin, the joints that it carries, its shapes and its
-/// sole.
+/// The axis-aligned box in a body's frame around its origin, the joints it carries, its shapes and its sole.
 pub struct Extent {
     low: Vector3<f64>,
     high: Vector3<f64>,
@@ -59,7 +58,7 @@ impl Extent {
         (self.high - self.low).norm()
     }
 
-    /// Distance in m of a point of the body's frame from the box; 0 inside.
+    /// Distance in m of a point in the body's frame from the box; 0 inside.
     pub fn distance(&self, point: &Point3<f64>) -> f64 {
         (point.coords - point.coords.sup(&self.low).inf(&self.high)).norm()
     }

@@ -4,7 +4,7 @@ use super::{all, issues};
 use crate::robot::model::{Body, Collision, Robot, Shape};
 use crate::robot::tests::robot;
 
-/// What is found in TOCABI after a change: codes and paths.
+/// The findings for TOCABI after a change: codes and paths.
 fn found(change: impl FnOnce(&mut Robot)) -> Vec<(&'static str, String)> {
     let mut robot = robot("tocabi");
     change(&mut robot);
@@ -27,7 +27,7 @@ fn bodies(robot: &mut Robot) -> impl Iterator<Item = &mut Body> {
     std::iter::once(&mut robot.base).chain(robot.links.iter_mut().map(|link| &mut link.body))
 }
 
-/// The robot at another size and density: lengths by `size`, masses by `size^3 * density`.
+/// The robot at another size and density: lengths times `size`, masses times `size^3 * density`.
 fn scaled(mut robot: Robot, size: f64, density: f64) -> Robot {
     let mass = size.powi(3) * density;
     let grow = |pose: &mut Isometry3<f64>| pose.translation.vector *= size;
@@ -145,7 +145,7 @@ fn a_body_below_the_ground_and_a_base_below_the_feet_are_told() {
         Some(&("E0422", "base".to_owned()))
     );
     assert!(!codes(|robot| robot.base.collisions.push(ball(-height + 0.101))).contains(&"E0422"));
-    // A base whose frame is turned about x stands on its head.
+    // With its base frame turned about x the robot is upside down.
     let turned = codes(|robot| {
         let turn = Isometry3::rotation(Vector3::x() * std::f64::consts::PI);
         let own: Vec<usize> =
@@ -158,7 +158,7 @@ fn a_body_below_the_ground_and_a_base_below_the_feet_are_told() {
 
 #[test]
 fn legs_inside_each_other_are_an_error_and_other_overlaps_a_warning() {
-    // Soles of 0.17 m whose middles are 0.205 m apart.
+    // Soles of 0.17 m with centres 0.205 m apart.
     let wide = |half: f64| {
         move |robot: &mut Robot| robot.feet.iter_mut().for_each(|foot| foot.half_extents.y = half)
     };
@@ -180,7 +180,7 @@ fn inertias_and_masses_of_other_units_are_told() {
         assert_eq!(told, [(code, "base.inertia".to_owned())], "{factor}");
     }
     assert!(inertia(3.0).is_empty() && inertia(0.3).is_empty());
-    // A shank alone, and every body.
+    // One shank, and every body.
     let shank = found(|robot| robot.links[3].body.inertia *= 1e4);
     assert_eq!(shank, [("W0410", "links.3.inertia".to_owned())]);
     assert_eq!(codes(|robot| bodies(robot).for_each(|body| body.inertia *= 1e6)), ["W0410"]);
@@ -253,12 +253,12 @@ fn figures_beyond_all_bounds_are_errors() {
 
 #[test]
 fn drives_that_cannot_move_their_joints_are_told() {
-    // One knee alone differs from the other one, too (W0417).
+    // One changed knee also differs from the other (W0417).
     let knee = |change: fn(&mut crate::robot::model::Joint)| -> Vec<&'static str> {
         let found = codes(|robot| change(&mut robot.links[3].joint));
         found.into_iter().filter(|code| *code != "W0417").collect()
     };
-    // The knee has 289 N m; the whole robot at its size 100 kg m^2.
+    // The knee has 289 N m; the whole robot's inertia at its size is 100 kg m^2.
     assert_eq!(knee(|joint| joint.friction = 289.0), ["E0425"]);
     assert_eq!(knee(|joint| joint.damping = 300.0), ["W0415"]);
     assert_eq!(knee(|joint| joint.armature = 200.0), ["W0415"]);
@@ -343,7 +343,7 @@ fn motors_that_cannot_hold_the_default_pose_are_an_error() {
     };
     assert!(!weak(1.0).contains(&"E0428"));
     assert!(weak(0.02).contains(&"E0428"));
-    // What the import leaves open is no weak motor.
+    // A missing effort limit is not a weak motor.
     assert!(!weak(0.0).contains(&"E0428"));
 }
 
@@ -357,7 +357,7 @@ fn soles_that_several_joints_level_get_default_positions_that_do_it() {
     let issue =
         issues(all(&aslant)).into_iter().find(|issue| issue.code == "E0420").expect("its soles are tilted");
     assert!(issue.help.starts_with("write these default positions"), "{}", issue.help);
-    // What is written levels both soles: the other leg's joints are the images of the named ones.
+    // The suggested positions level both soles: the other leg's joints are the images of the named ones.
     let mirror = crate::robot::symmetry::mirror_map(&aslant).expect("it is symmetric");
     for part in issue.help.split(": ").nth(1).expect("a list").split(", ") {
         let (value, name) = part.split_once(" rad\" for ").expect("a position");

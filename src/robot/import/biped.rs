@@ -1,4 +1,4 @@
-//! Whether a tree is a biped (E0427). Feet that the user names are not judged.
+//! Whether a tree is a biped (E0427). Not checked if the user names the feet.
 
 use nalgebra::Vector3;
 
@@ -7,14 +7,13 @@ use super::tree::Tree;
 use crate::diag::Diagnostic;
 use crate::spec::suggest::listed;
 
-/// Further legs from which on a robot is no biped.
+/// Number of additional legs from which a robot is not a biped.
 const FURTHER: usize = 2;
 /// Words in the names of legs and of arms.
 const LEG: [&str; 10] = ["leg", "hip", "knee", "ankle", "thigh", "shank", "calf", "foot", "feet", "toe"];
 const ARM: [&str; 8] = ["arm", "shoulder", "elbow", "wrist", "hand", "gripper", "finger", "palm"];
 
-/// Why a tree whose two lowest ends are these bodies is no biped. `up` is what the file says is up, in the
-/// root's frame.
+/// Why a tree with these two lowest ends is not a biped. `up` is the file's up direction in the root frame.
 pub(super) fn refusal(tree: &Tree, feet: [usize; 2], up: &Vector3<f64>) -> Option<Diagnostic> {
     let name = |body: usize| tree.parts[body].body.name.as_str();
     let ends = listed(feet.map(name));

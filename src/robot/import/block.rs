@@ -1,10 +1,10 @@
-//! Boxes along the axes of a body, and those around its shapes.
+//! Boxes aligned with the axes of a body, and bounding boxes of its shapes.
 
 use nalgebra::Vector3;
 
 use crate::robot::{Collision, Shape};
 
-/// A box along the axes of its body.
+/// A box aligned with the axes of its body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block {
     /// Its centre in m.
@@ -13,13 +13,13 @@ pub struct Block {
     pub half: Vector3<f64>,
 }
 
-/// Whether a shape lies along the axes of its body, possibly with axes exchanged.
+/// Whether a shape is aligned with the axes of its body, possibly permuted.
 pub(super) fn along_axes(collision: &Collision) -> bool {
     let turn = collision.pose.rotation.to_rotation_matrix().into_inner();
     turn.iter().all(|entry| entry.abs() < 1e-9 || (entry.abs() - 1.0).abs() < 1e-9)
 }
 
-/// The box around a shape, along the axes of its body.
+/// The axis-aligned bounding box of a shape in the body's frame.
 pub(super) fn around(collision: &Collision) -> Block {
     let turn = collision.pose.rotation.to_rotation_matrix().into_inner().abs();
     let half = match &collision.shape {

@@ -1,8 +1,8 @@
-//! COLLADA: the boxes around the geometries of a file, each placed as its scene places it. Knows neither
-//! materials nor what a mesh is for.
+//! COLLADA: the boxes around the geometries of a file, placed by its scene. Ignores materials and the use of
+//! the mesh.
 //!
-//! Of what a file may hold a box needs the positions, the transforms of the nodes and the unit. The axis that
-//! a file calls up is not turned upwards: a description of a robot means the file's own axes.
+//! A box only needs the positions, the transforms of the nodes and the unit. The up axis of the file is
+//! ignored: robot descriptions use the file's own axes.
 
 use std::collections::BTreeMap;
 
@@ -11,14 +11,14 @@ use roxmltree::{Document, Node, ParsingOptions};
 
 use super::xml;
 
-/// How deep nodes and instances of nodes may nest.
+/// Maximum nesting of nodes and node instances.
 const DEEPEST: usize = 100;
-/// Nodes of a scene, those of instances counted each time.
+/// Maximum number of nodes of a scene, counting each instance.
 const MOST_NODES: usize = 100_000;
-/// Nodes, attributes' texts and comments of a file.
+/// Maximum number of XML nodes, attribute values and comments of a file.
 const MOST_XML_NODES: u32 = 1_000_000;
 
-/// The lowest and the highest corners of all placed geometries, in m.
+/// The minimum and maximum corners of all placed geometries, in m.
 pub(super) fn corners(text: &str) -> Result<Vec<[f32; 3]>, String> {
     if xml::crowded(text).is_some() {
         return Err("an element has too many attributes".to_owned());
@@ -54,19 +54,18 @@ pub(super) fn corners(text: &str) -> Result<Vec<[f32; 3]>, String> {
     Ok(scene.corners)
 }
 
-/// What is gathered on the way through a scene.
+/// State of the traversal of a scene.
 struct Scene<'a, 'input> {
-    /// The elements by their `id`, which some programs give to several, and by their kind; in the order of
-    /// the file.
+    /// The elements by `id` and kind, in the order of the file; some programs use an `id` several times.
     named: BTreeMap<(&'a str, &'a str), Vec<Node<'a, 'input>>>,
-    /// The points of the geometries met so far, by the place of their element.
+    /// The points of the geometries visited, by the position of their element.
     points: BTreeMap<usize, Vec<Point3<f64>>>,
     nodes: usize,
     corners: Vec<[f32; 3]>,
 }
 
 impl<'a, 'input> Scene<'a, 'input> {
-    /// A node, or what holds nodes, in this frame.
+    /// A node, or a container of nodes, in this frame.
     fn node(&mut self, node: Node<'a, 'input>, mut frame: Matrix4<f64>, depth: usize) -> Result<(), String> {
         self.nodes += 1;
         if depth > DEEPEST || self.nodes > MOST_NODES {
@@ -103,7 +102,7 @@ impl<'a, 'input> Scene<'a, 'input> {
         if let Some(first) = placed.next() {
             let (low, high) =
                 placed.fold((first, first), |(low, high), point| (low.inf(&point), high.sup(&point)));
-            // What is not finite is for the caller to tell.
+            // The caller reports values that are not finite.
             let cast = |corner: Vector3<f64>| <[f32; 3]>::from(corner.map(|x| x as f32));
             self.corners.extend([cast(low), cast(high)]);
         }
@@ -142,8 +141,8 @@ impl<'a, 'input> Scene<'a, 'input> {
         }
     }
 
-    /// The element of a kind that an attribute names: the one in the smallest element around both, because
-    /// exporters repeat in every geometry the ids of its parts.
+    /// The element of a kind that an attribute refers to: the one in the smallest common ancestor, because
+    /// exporters repeat the same ids in every geometry.
     fn target(&self, node: Node<'a, 'input>, key: &str, kind: &str) -> Result<Node<'a, 'input>, String> {
         let name = node.attribute(key).unwrap_or_default();
         let id = name.strip_prefix('#').unwrap_or_default();
@@ -169,7 +168,7 @@ impl<'a, 'input> Scene<'a, 'input> {
     }
 }
 
-/// What a part of a node does to the frame of the parts after it.
+/// The effect of a transform element of a node on the frame of the following ones.
 fn transform(part: Node) -> Result<Matrix4<f64>, String> {
     let exact = |numbers: Vec<f64>, count: usize| match numbers.len() == count {
         true => Ok(numbers),
@@ -192,7 +191,7 @@ fn transform(part: Node) -> Result<Matrix4<f64>, String> {
     }
 }
 
-/// The numbers that an element holds.
+/// The numbers in an element.
 fn numbers(node: Node) -> Result<Vec<f64>, String> {
     node.text().unwrap_or_default().split_whitespace().map(number).collect()
 }
@@ -205,7 +204,7 @@ fn child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Option<Node<'a, 'inp
     node.children().find(|child| is(child, name))
 }
 
-/// Whether it is an element of this name, in any namespace: COLLADA's own differs by version.
+/// Whether an element has this name, in any namespace: COLLADA's differs by version.
 fn is(node: &Node, name: &str) -> bool {
     node.is_element() && node.tag_name().name() == name
 }
@@ -216,8 +215,7 @@ mod tests {
 
     use super::*;
 
-    /// A brick of 2 by 4 by 6 units with one corner at the origin, under what a file says of its unit and
-    /// scene.
+    /// A file with a brick of 2 by 4 by 6 units, one corner at the origin, and the given unit and scene.
     fn file(asset: &str, nodes: &str, more: &str) -> String {
         format!(
             r##"<?xml version="1.0"?>
@@ -234,7 +232,7 @@ mod tests {
         )
     }
 
-    /// The box around everything: lowest and highest corner.
+    /// The bounding box of everything: minimum and maximum corner.
     fn around(text: &str) -> Result<[Vec<f32>; 2], String> {
         let corners = corners(text)?;
         let side = |pick: fn(f32, f32) -> f32| {
@@ -253,7 +251,7 @@ mod tests {
         let plain = format!("<node>{BRICK}</node>");
         assert_eq!(around(&file("", &plain, "")).unwrap(), [vec![0.0; 3], vec![2.0, 4.0, 6.0]]);
         assert_eq!(around(&file(millimetres, &plain, "")).unwrap()[1], [0.002, 0.004, 0.006]);
-        // Half as large, turned by a quarter about z, then moved, in a parent that moves by 10 along y.
+        // Scaled by half, turned by 90 degrees about z, then moved, in a parent that moves by 10 along y.
         let placed = format!(
             "<node><matrix>1 0 0 0 0 1 0 10 0 0 1 0 0 0 0 1</matrix><node><translate>1 0 0</translate>\
              <rotate>0 0 1 90</rotate><scale>0.5 0.5 0.5</scale>{BRICK}</node></node>"
@@ -303,7 +301,7 @@ mod tests {
         assert_eq!(unique, [vec![0.0; 3], vec![2.0, 4.0, 11.0]]);
         assert_eq!(around(&pair(["a", "p", "x"], ["b", "p", "x"])).unwrap(), unique);
         assert_eq!(around(&pair(["a", "p", "x"], ["b", "p", "y"])).unwrap(), unique);
-        // A node, a geometry and a source of one name.
+        // A node, a geometry and a source with the same id.
         assert_eq!(around(&pair(["a", "a", "a2"], ["b", "b", "b2"])).unwrap(), unique);
     }
 

@@ -1,41 +1,42 @@
-//! Which two ends of a tree are the feet: those that reach lowest, whichever way the tree's own frame points.
+//! Which two ends of a tree are the feet: those that reach lowest, whatever the orientation of the tree's
+//! frame.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::tree::Tree;
 use super::welded::Welded;
 
-/// Cosine of the angle to the legs from which on a direction counts as up.
+/// Minimum cosine of the angle to the legs of an up direction.
 const UPWARDS: f64 = 0.3;
-/// Share of the legs' length by which their directions may cancel out.
+/// Minimum length of the sum of both legs' vectors, relative to the sum of their lengths.
 const TOGETHER: f64 = 0.5;
-/// Difference of both feet's heights, as a share of the legs' length.
+/// Maximum difference of the feet's heights, relative to the length of the legs.
 const LEVEL: f64 = 0.1;
 
-/// The joints of a tree at zero.
+/// The joints of a tree with all positions at zero.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Joints {
-    /// Points of the axes in the root's frame, in m.
+    /// Points on the axes in the root frame, in m.
     anchors: Vec<Vector3<f64>>,
-    /// The joint that carries each one; `None` on the base.
+    /// The parent joint of each; `None` on the base.
     parents: Vec<Option<usize>>,
-    /// Indices of their bodies.
+    /// Indices of the joints' bodies.
     bodies: Vec<usize>,
 }
 
-/// The ends of a tree that are its feet.
+/// The result of the search for the feet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Feet {
     /// Bodies of two ends.
     Pair([usize; 2]),
-    /// There are fewer than two ends.
+    /// Fewer than two ends.
     Fewer(Vec<usize>),
     /// Several pairs of ends, or none, reach lowest along their own legs.
     Unclear,
 }
 
 impl Joints {
-    /// The joints of a file that are kept.
+    /// The joints of a file that remain joints.
     pub fn of_tree(tree: &Tree, kept: &[bool]) -> Self {
         let mut joints = Self::default();
         let mut poses: Vec<Isometry3<f64>> = Vec::with_capacity(kept.len());
@@ -72,7 +73,7 @@ impl Joints {
         self.bodies.push(body);
     }
 
-    /// The feet, with the direction that the file says is up.
+    /// The feet, given the file's up direction.
     pub fn feet(&self, up: &Vector3<f64>) -> Feet {
         let is_parent = |index: usize| self.parents.contains(&Some(index));
         let mut ends: Vec<usize> = (0..self.anchors.len()).filter(|index| !is_parent(*index)).collect();
@@ -103,7 +104,7 @@ impl Joints {
         std::iter::successors(Some(end), |joint| self.parents[*joint]).collect()
     }
 
-    /// From an end to the first joint of its own limb, that carries only one of the pair.
+    /// The vectors from each end to the first joint of its limb, which carries only that end.
     fn limbs(&self, pair: [usize; 2]) -> [Vector3<f64>; 2] {
         let chains = pair.map(|end| self.chain(end));
         [0, 1].map(|side| {
@@ -117,7 +118,7 @@ impl Joints {
         first + second
     }
 
-    /// Whether two ends are side by side and below all others, with up along their own limbs.
+    /// Whether two ends are side by side and lower than all others, taking their limbs as the up direction.
     fn reach_lowest(&self, pair: [usize; 2], ends: &[usize]) -> bool {
         let [first, second] = self.limbs(pair);
         let (legs, length) = (first + second, first.norm() + second.norm());

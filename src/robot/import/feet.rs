@@ -1,4 +1,4 @@
-//! The feet of a welded tree: which bodies they are, and their soles.
+//! The feet of a welded tree: their bodies and their soles.
 
 use nalgebra::Vector3;
 
@@ -9,10 +9,10 @@ use super::welded::{Owner, Welded};
 use crate::diag::Diagnostic;
 use crate::robot::{Collision, Shape};
 
-/// Shapes whose lowest points are within this distance of the lowest of all make the sole, in m.
+/// Shapes whose lowest points are within this distance in m of the lowest of all form the sole.
 pub(super) const SOLE_DEPTH: f64 = 5e-3;
 
-/// The feet by their bodies' names; `owner` tells what became of a body of the file.
+/// The feet by body name; `owner` maps a body of the file to its welded body.
 pub(super) fn named(
     names: &[String; 2],
     owner: impl Fn(&str) -> Option<Owner>,
@@ -40,7 +40,7 @@ pub(super) fn named(
     Ok(feet)
 }
 
-/// The two ends of a welded tree that reach lowest with all joints at zero; `up` is what the file says is up.
+/// The two ends of a welded tree that reach lowest with all joints at zero; `up` is the file's up direction.
 pub(super) fn lowest_ends(welded: &Welded, up: &Vector3<f64>) -> Result<[usize; 2], Diagnostic> {
     match Joints::of_welded(welded).feet(up) {
         Feet::Pair(feet) => Ok(feet),
@@ -53,7 +53,7 @@ pub(super) fn lowest_ends(welded: &Welded, up: &Vector3<f64>) -> Result<[usize; 
     }
 }
 
-/// Feet that cannot be found (E0416).
+/// E0416: the feet cannot be determined.
 pub(super) fn unclear(base: &str) -> Diagnostic {
     let message =
         format!("which bodies are the feet is unclear: the z axis of `{base}` is not up along the legs");
@@ -64,7 +64,7 @@ pub(super) fn unclear(base: &str) -> Diagnostic {
     ))
 }
 
-/// The box around the lowest shapes of a foot; its other shapes are given up, because only the sole touches
+/// The box around the lowest shapes of a foot; its other shapes are dropped, because only the sole touches
 /// the ground.
 pub(super) fn sole(welded: &mut Welded, link: usize) -> Option<Block> {
     let body = &mut welded.links[link].body;

@@ -1,4 +1,4 @@
-//! Figures that the user gives at the import for joints whose source does not say them.
+//! Joint parameters that the user supplies at the import because the source lacks them.
 
 use std::fmt;
 
@@ -8,19 +8,19 @@ use super::tree::Hinge;
 use super::welded::Welded;
 use crate::quantity::parse::quantity;
 
-/// A figure for joints whose source does not say it.
+/// A value for joints whose source lacks it.
 #[derive(Clone, Debug)]
 pub struct Fill {
-    /// The joints, by their names; all without it.
+    /// Pattern of joint names; all joints if absent.
     pub joints: Option<Regex>,
     /// The key: `damping`.
     pub key: String,
-    /// The figure with its unit: `0.1 N*m*s/rad`.
+    /// The value with its unit: `0.1 N*m*s/rad`.
     pub value: String,
 }
 
 impl Fill {
-    /// Whether it is for this figure of this joint.
+    /// Whether it applies to this parameter of this joint.
     pub fn fits(&self, key: &str, joint: &str) -> bool {
         self.key == key && self.joints.as_ref().is_none_or(|joints| joints.is_match(joint))
     }
@@ -33,7 +33,7 @@ impl fmt::Display for Fill {
     }
 }
 
-/// The keys of a joint that a source may lack, with their units and meanings.
+/// Joint keys that a source may lack, with their units and meanings.
 pub(super) const FIGURES: [(&str, &str, &str); 10] = [
     ("lower", "rad", "lower position limit"),
     ("upper", "rad", "upper position limit"),
@@ -47,17 +47,16 @@ pub(super) const FIGURES: [(&str, &str, &str); 10] = [
     ("default_position", "rad", "position in the knee-bent standing pose"),
 ];
 
-/// The keys of a joint that can be filled in at the import, with their units.
+/// Joint keys that can be filled in at the import, with their units.
 pub fn fillable() -> impl Iterator<Item = (&'static str, &'static str)> {
     FIGURES.iter().map(|(key, unit, _)| (*key, *unit))
 }
 
-/// The figure that makes a motor of a joint.
+/// The parameter that turns a joint into a motor.
 pub(super) const LIMIT: &str = "effort_limit";
 
-/// Whether a fill gives a joint this figure. A joint that nothing drives becomes a motor only where it is
-/// named: an effort limit for all joints, or for some of which others are driven, is meant for those that
-/// are.
+/// Whether a fill applies to a joint. A passive joint becomes a motor only if it is named explicitly: an
+/// effort limit for all joints, or for a group that includes driven ones, applies only to the driven ones.
 pub(super) fn gives<'a>(
     fill: &Fill,
     key: &str,
@@ -69,13 +68,12 @@ pub(super) fn gives<'a>(
     fill.fits(key, &hinge.name) && (key != LIMIT || !hinge.passive || is_named())
 }
 
-/// The figure that is filled in for a key of a joint of this tree.
+/// The value filled in for a key of a joint of this tree.
 pub(super) fn filled<'a>(fills: &'a [Fill], hinge: &Hinge, key: &str, welded: &Welded) -> Option<&'a Fill> {
     fills.iter().rfind(|fill| gives(fill, key, hinge, welded.hinges()))
 }
 
-/// A figure of a joint in SI units: that of the file, or else the one that is filled in; `None` where neither
-/// says it.
+/// A joint parameter in SI units: from the file, or else filled in; `None` if missing in both.
 pub(super) fn figure(
     key: &str,
     hinge: &Hinge,

@@ -1,4 +1,4 @@
-//! The folder that an import may read from, and the files that a description names in it.
+//! The folder that an import may read, and the files that a description refers to.
 
 use std::io::{self, ErrorKind};
 use std::path::{Component, Path, PathBuf};
@@ -6,30 +6,30 @@ use std::path::{Component, Path, PathBuf};
 /// A folder; nothing outside it is opened.
 #[derive(Clone, Debug)]
 pub struct Folder {
-    /// Its path without links.
+    /// Its path with links resolved.
     root: PathBuf,
 }
 
-/// Where a name leads.
+/// The location of a file name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// To this path inside the folder.
+    /// This path inside the folder.
     Inside(PathBuf),
-    /// Out of the folder, directly or through a link.
+    /// Outside the folder, directly or through a link.
     Outside,
-    /// To nothing that exists.
+    /// Does not exist.
     Missing,
 }
 
 impl Folder {
-    /// A folder that exists; a file is none.
+    /// Fails unless the path is an existing folder.
     pub fn new(root: &Path) -> io::Result<Self> {
         let root = root.canonicalize()?;
         if root.is_dir() { Ok(Self { root }) } else { Err(ErrorKind::NotADirectory.into()) }
     }
 
-    /// The folder that belongs to a file: the ROS package that it is in (the nearest folder with a
-    /// `package.xml`), or else the folder around it.
+    /// The folder of a file: its ROS package (the nearest folder with a `package.xml`), or else the folder
+    /// that contains it.
     pub fn around(file: &Path) -> io::Result<Self> {
         let parent = file.parent().filter(|parent| !parent.as_os_str().is_empty());
         let parent = Self::new(parent.unwrap_or(Path::new(".")))?;
@@ -42,8 +42,8 @@ impl Folder {
         &self.root
     }
 
-    /// The file that a description in the folder `from` names. `package://NAME/REST` is `NAME/REST` or `REST`
-    /// below this folder.
+    /// The file that a description in the folder `from` refers to. `package://NAME/REST` is `NAME/REST` or
+    /// `REST` below this folder.
     pub fn find(&self, from: &Path, named: &str) -> Place {
         let package = named.strip_prefix("package://").or_else(|| named.strip_prefix("model://"));
         match package {
@@ -67,7 +67,7 @@ impl Folder {
     }
 }
 
-/// A path without `.` and `..`, by its words alone.
+/// Removes `.` and `..` from a path without following links.
 fn plain(path: &Path) -> PathBuf {
     let mut plain = PathBuf::new();
     for part in path.components() {

@@ -1,5 +1,5 @@
-//! The elements and attributes of MJCF, classified. A test compares them with the schema of the MuJoCo that
-//! is linked.
+//! The elements and attributes of MJCF, classified. A test compares them with the schema of the linked
+//! MuJoCo.
 
 use super::table::Class::{Harmless, Imported, Left};
 use super::table::Group::{
@@ -8,7 +8,7 @@ use super::table::Group::{
 };
 use super::table::{Class, Row, row, whole};
 
-/// What the attributes of a joint mean that are not its own but those of a base that floats.
+/// Attributes of a joint when it is the free joint of a floating base.
 pub(crate) const FREE: Row = row(
     "body/joint",
     &[
@@ -20,7 +20,7 @@ pub(crate) const FREE: Row = row(
     ],
 );
 
-/// What every drive of a joint has, and what drives of something else have in the place of `joint`.
+/// Attributes of every joint actuator; and the alternatives to `joint` for other transmissions.
 const JOINT: (Class, &str) = (Imported, "armature, class, damping, gear, joint, jointinparent, name");
 const BOUNDS: (Class, &str) = (Imported, "ctrllimited, ctrlrange, forcelimited, forcerange");
 const TARGET: (Class, &str) =
@@ -28,8 +28,7 @@ const TARGET: (Class, &str) =
 const ASIDE: (Class, &str) = (Harmless, "group, interp, lengthrange, nsample, user");
 const DELAY: (Class, &str) = (Left(DriveDynamics), "delay=0");
 
-/// Elements below `worldbody` have the path that they have in a body. Those of default classes are found by
-/// [`path`].
+/// Elements below `worldbody` have the same path as in a body. [`path`] maps those of default classes.
 pub(crate) const TABLE: &[Row] = &[
     row("mujoco", &[(Imported, "model")]),
     row(
@@ -45,7 +44,7 @@ pub(crate) const TABLE: &[Row] = &[
         ],
     ),
     whole("compiler/lengthrange", Harmless),
-    // What a simulation computes with belongs to a spec; what it computes belongs to the robot's world.
+    // Simulation settings belong to a spec, simulation outputs to the robot's environment.
     row(
         "option",
         &[
@@ -81,13 +80,13 @@ pub(crate) const TABLE: &[Row] = &[
     whole("statistic", Harmless),
     whole("visual", Harmless),
     row("default", &[(Imported, "class")]),
-    // Of equality constraints and tendons there is one class each, whatever their kind.
+    // Equality constraints and tendons have one class for all their kinds.
     whole("default/equality", Harmless),
     whole("default/tendon", Harmless),
     row("extension", &[]),
     whole("extension/plugin", Left(Plugins)),
     row("asset", &[]),
-    // A mesh that is not a file in its own frame is said where a geom has it.
+    // A mesh that is not a file in its own frame is reported at the geom that uses it.
     row(
         "asset/mesh",
         &[
@@ -128,7 +127,7 @@ pub(crate) const TABLE: &[Row] = &[
             ),
             (Imported, "name, pos, range, ref, type"),
             (Harmless, "group, user"),
-            // The damping that follows from `springdamper` is imported, the stiffness is not.
+            // The damping from `springdamper` is imported, the stiffness is not.
             (Left(Springs), "springdamper=0, springref=0, stiffness=0"),
             (Left(GravityCompensation), "actuatorgravcomp=false"),
             (Left(Solver), "margin=0, solimpfriction, solimplimit, solreffriction, solreflimit"),
@@ -153,7 +152,7 @@ pub(crate) const TABLE: &[Row] = &[
         ],
     ),
     whole("body/geom/plugin", Left(Plugins)),
-    // These stand for bodies that are not in the file, which is an error.
+    // These refer to bodies outside the file, which is an error.
     whole("body/attach", Imported),
     whole("body/composite", Imported),
     whole("body/flexcomp", Imported),
@@ -257,8 +256,8 @@ pub(crate) const TABLE: &[Row] = &[
     row("keyframe/key", &[(Imported, "name, qpos"), (Harmless, "act, ctrl, mpos, mquat, qvel, time")]),
 ];
 
-/// The path of an element below another one: bodies nest, and a class has the attributes of the elements that
-/// it is for.
+/// The path of an element below another one: bodies nest, and a class has the attributes of the elements it
+/// applies to.
 pub(crate) fn path(above: &str, name: &str) -> String {
     match (above, name) {
         ("mujoco", "worldbody") | ("body" | "body/frame", "body") => "body".to_owned(),
@@ -278,8 +277,8 @@ mod tests {
     use super::super::table::knows;
     use super::*;
 
-    /// What `mj_printSchema` prints, an element a line: `body/joint: name class` (tests/schema_of_mujoco.rs
-    /// writes it).
+    /// Output of `mj_printSchema`, one element per line: `body/joint: name class` (written by
+    /// tests/schema_of_mujoco.rs).
     const KNOWN: &str = include_str!("mjcf.txt");
 
     /// The elements of the list with their attributes.
@@ -291,7 +290,7 @@ mod tests {
         })
     }
 
-    /// The path by which an element of the list is classified.
+    /// The path that classifies an element of the list.
     fn classified(place: &str) -> String {
         match place {
             "mujoco" => "mujoco".to_owned(),
@@ -313,7 +312,7 @@ mod tests {
 
     #[test]
     fn nothing_is_classified_that_mujoco_does_not_have() {
-        // Elements that MuJoCo replaces before it looks at its schema.
+        // Elements that MuJoCo expands before it checks its schema.
         let early = ["body/frame", "body/replicate"];
         for row in TABLE.iter().filter(|row| !early.contains(&row.path)) {
             let (_, attributes) = known()

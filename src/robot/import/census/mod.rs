@@ -1,5 +1,5 @@
-//! What a description says that its robot file does not: every element and attribute is looked up in the
-//! table of its format, and what is not imported is counted and said in one line for each kind of it.
+//! Finds what the import drops: looks up every element and attribute in the table of its format, counts those
+//! that are not imported, and reports one line per group.
 
 pub(super) mod mjcf;
 mod table;
@@ -11,7 +11,7 @@ use super::naming::some;
 use super::xml::Element;
 pub(super) use table::{Class, Group, Row};
 
-/// Kinds of elements and attributes that a line names; beyond them their number is said.
+/// Maximum number of elements and attributes listed in a line; of the rest only the count is shown.
 const MOST_KINDS: usize = 6;
 
 /// What was found so far.
@@ -21,21 +21,21 @@ pub(super) struct Census {
     left: BTreeMap<Group, Kinds>,
 }
 
-/// What is in a group, in the order of the file.
+/// The findings of a group, in the order of the file.
 #[derive(Debug, Default)]
 struct Kinds {
-    /// `stiffness` of <joint>, and whose it is.
+    /// `stiffness` of <joint>, and the names of the owners.
     found: Vec<(String, Vec<String>)>,
     places: BTreeMap<String, usize>,
 }
 
 impl Census {
-    /// Nothing found yet.
+    /// A census without findings.
     pub fn new(table: &'static [Row]) -> Self {
         Self { table, left: BTreeMap::new() }
     }
 
-    /// Counts something that is not imported under the name of what has it.
+    /// Counts something that is not imported, under the name of its owner.
     pub fn count(&mut self, group: Group, what: String, owner: &str) {
         let Kinds { found, places } = self.left.entry(group).or_default();
         let place = *places.entry(what.clone()).or_insert(found.len());
@@ -45,13 +45,13 @@ impl Census {
         found[place].1.push(owner.to_owned());
     }
 
-    /// Whether the format has an element of a path.
+    /// Whether the format has an element with this path.
     pub fn knows(&self, path: &str) -> bool {
         Row::find(self.table, path).is_some()
     }
 
-    /// Counts an element of a path and its attributes, without those of the groups that do not matter there;
-    /// says whether the elements in it are to be counted, too.
+    /// Counts an element and its attributes, except those of ignored groups; returns whether to count its
+    /// children as well.
     pub fn take(&mut self, path: &str, element: &Element, owner: &str, ignored: &[Group]) -> bool {
         let Some(row) = Row::find(self.table, path) else {
             self.count(Group::Unknown, format!("<{}>", element.name), owner);
@@ -67,7 +67,7 @@ impl Census {
         true
     }
 
-    /// Counts the attributes of an element that its format does not have.
+    /// Counts the attributes of an element that are unknown to its format.
     pub fn unknown(&mut self, path: &str, element: &Element, owner: &str) {
         let Some(row) = Row::find(self.table, path).filter(|row| row.whole.is_none()) else { return };
         let unknown = element.attributes.iter().filter(|attribute| row.class(&attribute.name, "").is_none());
@@ -90,7 +90,7 @@ impl Census {
         }
     }
 
-    /// A line for each group.
+    /// One line per group.
     pub fn lines(&self) -> Vec<String> {
         let line = |(group, Kinds { found, .. }): (&Group, &Kinds)| {
             let mut shown: Vec<String> =
@@ -105,7 +105,7 @@ impl Census {
     }
 }
 
-/// `stiffness` of <joint> `left_knee` and `right_knee`; of owners without a name the number.
+/// `stiffness` of <joint> `left_knee` and `right_knee`; for unnamed owners the number.
 fn item(what: &str, owners: &[String]) -> String {
     let mut known = BTreeSet::new();
     let names: Vec<&str> =
@@ -123,7 +123,7 @@ pub(super) fn urdf(root: &Element) -> Vec<String> {
     census.lines()
 }
 
-/// Counts an element of URDF and what is in it.
+/// Counts a URDF element and its contents.
 fn elements(census: &mut Census, element: &Element, (path, owner): (&str, &str), space: &str) {
     if element.space != *space {
         census.count(Group::Extensions, format!("<{}>", element.name), owner);
@@ -137,7 +137,7 @@ fn elements(census: &mut Census, element: &Element, (path, owner): (&str, &str),
         let earlier = &element.children[..index];
         let again = urdf::SINGLE.contains(&child.name.as_str())
             && earlier.iter().any(|other| other.name == child.name);
-        // A geometry has one shape, whichever it is.
+        // A geometry has only one shape.
         if again || (element.name == "geometry" && index > 0) {
             census.count(Group::Second, format!("<{}>", child.name), named);
         } else {

@@ -1,20 +1,20 @@
-//! How what a description may say is classified: imported, harmless, or not imported and why. Knows no
+//! Classifies the contents of a description: imported, harmless, or not imported and why. Independent of the
 //! format.
 
 use Class::{Harmless, Left};
 
-/// What becomes of an element or an attribute.
+/// How the import treats an element or an attribute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Class {
-    /// It is in the robot file, or what becomes of it is said where it is read.
+    /// It is in the robot file, or the code that reads it reports what it does with it.
     Imported,
-    /// A robot file loses nothing without it: names, looks, sensors, what a spec sets.
+    /// Irrelevant for a robot file: names, appearance, sensors, settings of a spec.
     Harmless,
-    /// It changes how the robot moves and is not in the robot file.
+    /// It affects how the robot moves but is not in the robot file.
     Left(Group),
 }
 
-/// What is not imported, by what it does: a line of the remarks for each.
+/// Things that are not imported, grouped by effect: one line of remarks each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Group {
     Springs,
@@ -40,7 +40,7 @@ pub(crate) enum Group {
 }
 
 impl Group {
-    /// What it is, and why a robot file does without it.
+    /// What it is, and why a robot file does not need it.
     pub fn text(self) -> (&'static str, &'static str) {
         match self {
             Self::Springs => ("springs", "the joints of a robot file have none"),
@@ -87,31 +87,31 @@ impl Group {
 /// An element of a format.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Row {
-    /// The names of the elements around it and its own: `body/joint`.
+    /// The names of its ancestors and its own: `body/joint`.
     pub path: &'static str,
-    /// Its class where everything in it has the same.
+    /// Its class, if its whole content has the same.
     pub whole: Option<Class>,
-    /// Its attributes by class, with commas between them. `stiffness=0` is harmless with the value 0.
+    /// Its attributes by class, comma-separated. `stiffness=0` is harmless if its value is 0.
     attributes: &'static [(Class, &'static str)],
 }
 
-/// An element whose attributes and elements are classified one by one.
+/// An element whose attributes and children are classified individually.
 pub(super) const fn row(path: &'static str, attributes: &'static [(Class, &'static str)]) -> Row {
     Row { path, whole: None, attributes }
 }
 
-/// An element of one class with everything in it.
+/// An element with one class for its whole content.
 pub(super) const fn whole(path: &'static str, class: Class) -> Row {
     Row { path, whole: Some(class), attributes: &[] }
 }
 
 impl Row {
-    /// The element of a path.
+    /// The element with this path.
     pub fn find(table: &'static [Self], path: &str) -> Option<&'static Self> {
         table.iter().find(|row| row.path == path)
     }
 
-    /// The class of an attribute with this value; `None` when the element has no such attribute.
+    /// The class of an attribute with this value; `None` if the element has no such attribute.
     pub fn class(&self, attribute: &str, value: &str) -> Option<Class> {
         self.entries().find(|(_, name, _)| *name == attribute).map(|(class, _, neutral)| {
             match (class, neutral) {
@@ -138,7 +138,7 @@ impl Row {
     }
 }
 
-/// Whether a value is the harmless one, as text or as numbers; one number stands for any count of it.
+/// Whether a value is the harmless one, compared as text or numbers; one number matches any count of it.
 fn is(value: &str, neutral: &str) -> bool {
     let numbers = |text: &str| text.split_whitespace().map(str::parse).collect::<Result<Vec<f64>, _>>().ok();
     match (numbers(value), numbers(neutral)) {
@@ -150,7 +150,7 @@ fn is(value: &str, neutral: &str) -> bool {
     }
 }
 
-/// The table as a test reads it: whether an element, or an attribute of it, is classified.
+/// For tests: whether an element, or an attribute of it, is classified.
 #[cfg(test)]
 pub(super) fn knows(table: &'static [Row], path: &str, attribute: Option<&str>) -> bool {
     let above = std::iter::successors(Some(path), |path| path.rsplit_once('/').map(|(above, _)| above));

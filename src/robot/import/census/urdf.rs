@@ -1,10 +1,10 @@
-//! The elements and attributes of URDF 1.0 to 1.2, classified, with those that Gazebo, ROS and Bullet add.
+//! The elements and attributes of URDF 1.0 to 1.2 and of its Gazebo, ROS and Bullet extensions, classified.
 
 use super::table::Class::{Harmless, Imported, Left};
 use super::table::Group::{Limits, Simulators, Solver, Springs};
 use super::table::{Row, row, whole};
 
-/// Elements of which the first counts in the element around them.
+/// Elements of which only the first in its parent counts.
 pub(super) const SINGLE: &[&str] = &[
     "inertial",
     "origin",
@@ -70,7 +70,7 @@ mod tests {
     use super::super::table::knows;
     use super::*;
 
-    /// What the parser of ROS (urdfdom, versions 1.0 to 1.2 of the format) reads, an element a line.
+    /// What the ROS parser reads (urdfdom, versions 1.0 to 1.2 of the format), one element per line.
     const KNOWN: &str = include_str!("urdf.txt");
 
     #[test]
