@@ -155,7 +155,7 @@ fn slow(robot: &Robot) -> Option<Issue> {
     worst("W0415", found.collect(), "joints", help)
 }
 
-/// Rotors with an inertia as large as the whole robot's at leg length (W0415).
+/// Rotor inertias that exceed the robot's mass times its size squared (W0415).
 fn heavy(robot: &Robot) -> Option<Issue> {
     let reach = reach(robot);
     let whole = robot.total_mass() * reach * reach;

@@ -84,8 +84,7 @@ fn map(robot: &Robot) -> Option<Vec<(usize, f64)>> {
     if robot.mirror.is_empty() { symmetry::mirror_map(robot).ok() } else { Some(robot.mirror.clone()) }
 }
 
-/// The difference of two default positions in rad, and as text (W0417) with the expected value of one of
-/// them.
+/// The difference of two default positions in rad, and a text (W0417) with the expected value.
 pub fn difference(robot: &Robot, pair: [usize; 2], sign: f64) -> (f64, String) {
     let [own, other] = pair.map(|index| &robot.links[index].joint);
     let turned = if sign < 0.0 { " with the other sign" } else { "" };

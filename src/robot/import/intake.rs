@@ -1,4 +1,4 @@
-//! What reading a description needs: its folder, its texts, what was found in them, and its values by type.
+//! State for reading a description: its folder, texts and diagnostics, and typed access to values.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -15,16 +15,16 @@ use crate::bounded::{self, ReadError};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::spec::suggest::listed;
 
-/// Mistakes of one kind of a description that are told; the rest is counted.
+/// Maximum number of mistakes of one kind that are reported; the rest is counted.
 const TOLD: usize = 20;
-/// Remarks that are kept.
+/// Maximum number of remarks.
 const MOST_NOTES: usize = 1000;
-/// Longest name.
+/// Maximum length of a name.
 const LONGEST_NAME: usize = 200;
-/// Bytes of all meshes together.
+/// Maximum size of all meshes together in bytes.
 const MOST_MESH_BYTES: u64 = 256 << 20;
 
-/// Why meshes are left out, and what helps.
+/// Why meshes are left out, and how to fix it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Reason {
     of_one: &'static str,
@@ -50,32 +50,32 @@ pub(super) struct Intake<'a> {
     pub folder: &'a Folder,
     /// The texts.
     pub sources: &'a mut Sources,
-    /// What is wrong with them.
+    /// The diagnostics.
     pub sink: &'a mut Sink,
-    /// The key frame that gives the default pose; without it the first one.
+    /// The key frame for the default pose; if absent, the first one.
     pub key: Option<String>,
-    /// What could not be taken over as it is, in sentences.
+    /// Remarks on what could not be imported unchanged.
     pub notes: Vec<String>,
-    /// How many elements may still come.
+    /// Number of elements still allowed.
     pub room: usize,
-    /// Whether a file outside the folder was told.
+    /// Whether a file outside the folder was reported.
     outside: bool,
     /// Bytes of the meshes read so far.
     mesh_bytes: u64,
     /// Their boxes.
     meshes: BTreeMap<PathBuf, Result<Block, MeshError>>,
-    /// The boxes that stand for meshes.
+    /// The boxes that replace meshes.
     pub boxes: Vec<MeshBox>,
-    /// Bodies and their meshes that give them no shape.
+    /// Bodies and their meshes that were left out.
     left_out: BTreeMap<Reason, Vec<[String; 2]>>,
-    /// Words that are no numbers, by fault, element and attribute.
+    /// Words that are not numbers, by fault, element and attribute.
     habits: BTreeMap<(Fault, String, String), Habit>,
 }
 
-/// A mistake that a file has in many places.
+/// A mistake repeated in many places.
 #[derive(Debug)]
 struct Habit {
-    /// The diagnostic of the first place.
+    /// Index of the diagnostic for the first place.
     told: usize,
     places: BTreeSet<Span>,
 }
@@ -99,26 +99,26 @@ impl<'a> Intake<'a> {
         }
     }
 
-    /// Tells a mistake; of very many only the first.
+    /// Reports a mistake; of very many only the first.
     pub fn tell(&mut self, diagnostic: Diagnostic) {
         if !self.has_told_enough(diagnostic.code) {
             self.sink.emit(diagnostic);
         }
     }
 
-    /// Whether no more mistakes of a code are told.
+    /// Whether further mistakes of a code are dropped.
     pub fn has_told_enough(&self, code: &str) -> bool {
         self.sink.diagnostics.iter().filter(|told| told.code == code).count() >= TOLD
     }
 
-    /// A remark for the head of the robot file.
+    /// Adds a remark for the header of the robot file.
     pub fn note(&mut self, sentence: String) {
         if self.notes.len() < MOST_NOTES {
             self.notes.push(sentence);
         }
     }
 
-    /// Says in the end in how many places a file has what was told at the first one.
+    /// Adds the number of places to mistakes reported only at the first.
     pub fn count_habits(&mut self) {
         for Habit { told, places } in std::mem::take(&mut self.habits).into_values() {
             if let (Some(diagnostic), 2..) = (self.sink.diagnostics.get_mut(told), places.len()) {
@@ -127,7 +127,7 @@ impl<'a> Intake<'a> {
         }
     }
 
-    /// Tells a word that is no number; what a file has everywhere is told once.
+    /// Reports a word that is not a number; a systematic mistake is reported once.
     fn unreadable(&mut self, (element, key): (&Element, &str), word: &str, fault: Fault) {
         let place = element.place(key);
         let habit = (fault, element.name.clone(), key.to_owned());
@@ -143,7 +143,7 @@ impl<'a> Intake<'a> {
         }
     }
 
-    /// All remarks, in the end.
+    /// All remarks, once reading is done.
     pub fn notes(&mut self) -> Vec<String> {
         for (reason, left_out) in std::mem::take(&mut self.left_out) {
             let note = match left_out.as_slice() {
@@ -166,7 +166,7 @@ impl<'a> Intake<'a> {
         std::mem::take(&mut self.notes)
     }
 
-    /// A mesh that gives a body no shape.
+    /// Records a mesh that is left out.
     fn leave_out(&mut self, reason: Reason, body: &str, mesh: &str) {
         let left_out = self.left_out.entry(reason).or_default();
         if left_out.len() < MOST_NOTES {
@@ -174,7 +174,7 @@ impl<'a> Intake<'a> {
         }
     }
 
-    /// Reads a text into the sources under a name; `blame` is the place that names it.
+    /// Reads a text into the sources under a name; `blame` is the place that refers to it.
     pub fn text(&mut self, path: &Path, shown: &Path, blame: Option<Span>) -> Option<SourceId> {
         let at = |diagnostic: Diagnostic| match blame {
             Some(span) => diagnostic.at(span, ""),
@@ -204,7 +204,7 @@ impl<'a> Intake<'a> {
         None
     }
 
-    /// The outermost element of a text.
+    /// The root element of a text.
     pub fn parse(&mut self, source: SourceId) -> Option<Element> {
         match xml::parse(self.sources, source, self.room) {
             Ok(root) => {
@@ -218,8 +218,8 @@ impl<'a> Intake<'a> {
         }
     }
 
-    /// Where the name of a file leads that a description in the folder `from` has at `span`. Outside is a
-    /// mistake; it is told once, because one --root is the cure for all of them.
+    /// The location of a file name in a description in the folder `from`; the name is at `span`. Outside is
+    /// an error, reported once because one --root fixes them all.
     pub fn find(&mut self, from: &Path, named: &str, span: Span) -> Place {
         let place = self.folder.find(from, named);
         if place == Place::Outside && !std::mem::replace(&mut self.outside, true) {
@@ -231,7 +231,7 @@ impl<'a> Intake<'a> {
         place
     }
 
-    /// The box around a mesh, scaled; `None` with a note or a mistake when it has none.
+    /// The box around a mesh, scaled; `None` with a remark or an error if it has none.
     pub fn mesh(
         &mut self,
         body: &str,
@@ -297,12 +297,12 @@ impl<'a> Intake<'a> {
         Some(block)
     }
 
-    /// The number that an attribute holds; `None` when there is none, or it is none, which is told.
+    /// The number in an attribute; `None` if it is absent, or invalid, which is reported.
     pub fn number(&mut self, element: &Element, key: &str) -> Option<f64> {
         self.vector::<1>(element, key).map(|[number]| number)
     }
 
-    /// So many numbers of an attribute.
+    /// A fixed number of numbers in an attribute.
     pub fn vector<const N: usize>(&mut self, element: &Element, key: &str) -> Option<[f64; N]> {
         let numbers = self.numbers(element, key)?;
         let found = numbers.len();
@@ -315,7 +315,7 @@ impl<'a> Intake<'a> {
         exact
     }
 
-    /// All numbers of an attribute.
+    /// All numbers in an attribute.
     pub fn numbers(&mut self, element: &Element, key: &str) -> Option<Vec<f64>> {
         let text = element.text(key)?;
         let mut numbers = Vec::new();
@@ -331,7 +331,7 @@ impl<'a> Intake<'a> {
         Some(numbers)
     }
 
-    /// The number that an attribute must hold.
+    /// The numbers in a required attribute.
     pub fn needed<const N: usize>(&mut self, element: &Element, key: &str) -> Option<[f64; N]> {
         if element.attribute(key).is_none() {
             self.lacks(element, key);
@@ -339,7 +339,7 @@ impl<'a> Intake<'a> {
         self.vector(element, key)
     }
 
-    /// The text that an attribute must hold, fit for a name.
+    /// The text of a required attribute, valid as a name.
     pub fn name(&mut self, element: &Element, key: &str) -> Option<String> {
         let Some(name) = element.text(key) else {
             self.lacks(element, key);
@@ -359,12 +359,12 @@ impl<'a> Intake<'a> {
     }
 }
 
-/// A value that cannot be used (E0411).
+/// E0411: an invalid value.
 pub(super) fn value(message: String, span: Span) -> Diagnostic {
     Diagnostic::error("E0411", message).at(span, "")
 }
 
-/// Bodies and joints that form no tree (E0412).
+/// E0412: bodies and joints do not form a tree.
 pub(super) fn not_a_tree(message: String, span: Span) -> Diagnostic {
     Diagnostic::error("E0412", message).at(span, "")
 }
@@ -382,7 +382,7 @@ fn count(element: &Element) -> usize {
     1 + element.children.iter().map(count).sum::<usize>()
 }
 
-/// A key frame that a file does not have (E0402).
+/// E0402: an unknown key frame.
 pub(super) fn no_key(wanted: &str, keys: &[&str]) -> Diagnostic {
     let help = if keys.is_empty() {
         "leave --key out: the file has no key frame with positions".to_owned()

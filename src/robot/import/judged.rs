@@ -1,5 +1,5 @@
-//! The checks of `robot show` over what an import writes: what makes a robot unusable is told when its file
-//! is written, not when it is first used.
+//! Runs the checks of `robot show` on the result of an import, so that an unusable robot is reported when its
+//! file is written, not when it is first used.
 
 use std::collections::BTreeSet;
 
@@ -7,24 +7,23 @@ use super::fill::{Fill, figure};
 use super::welded::Welded;
 use crate::robot::{Issue, Robot, checks, examine, file, load, symmetry};
 
-/// What the checks find in the written text of a robot's file. One with lines to fill in is judged by what it
-/// has.
+/// The findings for the text of a robot's file. If lines are to be filled in, only the rest is checked.
 pub fn issues(welded: &Welded, fills: &[Fill], written: Draft<'_>) -> Vec<Issue> {
     if written.is_whole { load::issues(written.name, written.text) } else { of_known(welded, fills) }
 }
 
-/// The text of a robot's file as it is written.
+/// The text of a robot's file to be written.
 #[derive(Clone, Copy, Debug)]
 pub struct Draft<'a> {
     /// The robot's name.
     pub name: &'a str,
     /// The text.
     pub text: &'a str,
-    /// Whether no line of it is to be filled in.
+    /// Whether no values are missing.
     pub is_whole: bool,
 }
 
-/// What the checks find in those figures that are known.
+/// The findings for the known values.
 fn of_known(welded: &Welded, fills: &[Fill]) -> Vec<Issue> {
     let known = Known::of(welded, fills);
     let mut robot = known.robot;
@@ -40,7 +39,7 @@ fn of_known(welded: &Welded, fills: &[Fill]) -> Vec<Issue> {
         })
         .collect();
     match symmetry::mirror_map(&robot) {
-        // Sides are compared when no figure of either is open.
+        // The sides are compared only if all values are known.
         Ok(mirror) if known.keys.iter().all(|keys| keys.len() == ALL) => robot.mirror = mirror,
         Ok(_) => {}
         Err(unpaired) => issues.push(file::unmirrored(&robot, &unpaired)),
@@ -48,8 +47,7 @@ fn of_known(welded: &Welded, fills: &[Fill]) -> Vec<Issue> {
     let weighed = !welded.weigh_base && welded.links.iter().all(|link| !link.weigh);
     let shod = welded.feet.iter().all(|(_, sole)| sole.is_some());
     let posed = known.keys.iter().all(|keys| keys.contains("default_position"));
-    // A pose that the robot cannot have, or sides without an image, are the cause of whatever else the pose
-    // lacks.
+    // An impossible pose, or sides without mirror images, would cause all further errors of the pose.
     let examined = if issues.is_empty() && weighed && shod && posed {
         let geared = known.keys.iter().all(|keys| keys.contains("stiffness_gain"));
         let mut found = examine::issues(examine::all(&robot));
@@ -62,10 +60,10 @@ fn of_known(welded: &Welded, fills: &[Fill]) -> Vec<Issue> {
     issues
 }
 
-/// How many figures a joint has.
+/// Number of parameters of a joint.
 const ALL: usize = 10;
 
-/// Whether everything that a finding about a joint depends on is known.
+/// Whether all values that a finding about a joint depends on are known.
 fn is_known(path: &str, keys: &BTreeSet<&str>) -> bool {
     let has = |wanted: &[&str]| wanted.iter().all(|key| keys.contains(key));
     match path.rsplit('.').next() {
@@ -76,7 +74,7 @@ fn is_known(path: &str, keys: &BTreeSet<&str>) -> bool {
     }
 }
 
-/// A robot whose unknown figures are zero, and which of each joint are known.
+/// A robot whose unknown values are zero, and the known keys of each joint.
 struct Known {
     robot: Robot,
     keys: Vec<BTreeSet<&'static str>>,

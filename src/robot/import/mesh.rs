@@ -1,5 +1,5 @@
-//! Meshes: the box around the points of an STL, OBJ or COLLADA file. Knows neither materials nor what a mesh
-//! is for.
+//! Meshes: the box around the points of an STL, OBJ or COLLADA file. Ignores materials and the use of the
+//! mesh.
 
 use std::path::Path;
 
@@ -9,30 +9,30 @@ use super::block::Block;
 use super::collada;
 use crate::bounded::{self, ReadError};
 
-/// Largest size of a mesh file in bytes.
+/// Maximum size of a mesh file in bytes.
 pub(super) const LARGEST: u64 = 64 << 20;
 
-/// How a file begins that stands for another one in Git LFS.
+/// Start of a Git LFS pointer file.
 const LFS_POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
 
 /// Why a mesh has no box.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum MeshError {
-    /// It is larger than any collision mesh.
+    /// It is too large for a collision mesh.
     TooLarge(String),
-    /// It is none of the three by its name.
+    /// Its extension is none of the three.
     Format,
-    /// It is not what its name says.
+    /// Its content does not match its extension.
     Broken(String),
 }
 
-/// The box around a mesh file's points in the file's own axes, in the file's own units or, where it says what
-/// they are (COLLADA), in m. What was read is added to `read`, in bytes.
+/// The box around a mesh file's points in the file's own axes; in m if the file states its unit (COLLADA),
+/// else in the file's unit. Adds the bytes read to `read`.
 pub(super) fn bounds(path: &Path, read: &mut u64) -> Result<Block, MeshError> {
     around(corners(path, read)?.iter())
 }
 
-/// The points of a mesh file, as [`bounds`] has them.
+/// The points of a mesh file, in the same units as [`bounds`].
 pub(super) fn points(path: &Path) -> Result<Vec<Vector3<f64>>, MeshError> {
     let points = corners(path, &mut 0)?;
     if points.iter().flatten().any(|number| !number.is_finite()) {
@@ -62,7 +62,7 @@ fn corners(path: &Path, read: &mut u64) -> Result<Vec<[f32; 3]>, MeshError> {
         return collada::corners(&text).map_err(MeshError::Broken);
     }
     let scene = if ending == "stl" {
-        // Some programs begin the free words of a binary file with `solid`, as texts begin.
+        // Some programs start the free-form header of a binary file with `solid`, like a text file.
         if is_binary_stl(&bytes) {
             bytes[..80].fill(0);
         } else if !is_text_stl(&bytes) {
@@ -70,7 +70,7 @@ fn corners(path: &Path, read: &mut u64) -> Result<Vec<[f32; 3]>, MeshError> {
         }
         mesh_loader::stl::from_slice(&bytes)
     } else {
-        // Materials say nothing about the shape, so their files stay closed.
+        // Materials do not affect the shape, so their files are not read.
         mesh_loader::obj::from_slice(&of_points(&bytes), None, |_| {
             Err::<Vec<u8>, _>(std::io::ErrorKind::NotFound.into())
         })
@@ -78,19 +78,19 @@ fn corners(path: &Path, read: &mut u64) -> Result<Vec<[f32; 3]>, MeshError> {
     Ok(scene.map_err(broken)?.meshes.into_iter().flat_map(|mesh| mesh.vertices).collect())
 }
 
-/// Whether the length of an STL file is that of the triangles that a binary one counts behind its first 80
+/// Whether the length of an STL file matches the triangle count that binary files have after their first 80
 /// bytes.
 fn is_binary_stl(bytes: &[u8]) -> bool {
     let count = bytes.get(80..84).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
     count.is_some_and(|count| bytes.len() as u64 == 84 + 50 * u64::from(count))
 }
 
-/// Whether an STL file is a text.
+/// Whether an STL file is ASCII.
 fn is_text_stl(bytes: &[u8]) -> bool {
     bytes.trim_ascii_start().starts_with(b"solid") && !bytes.contains(&0)
 }
 
-/// What is wrong with a binary STL file whose length is not that of its triangles.
+/// The error for a binary STL file whose length does not match its triangle count.
 fn miscounted(bytes: &[u8]) -> String {
     let length = bytes.len();
     let count = bytes.get(80..84).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
@@ -103,9 +103,8 @@ fn miscounted(bytes: &[u8]) -> String {
     }
 }
 
-/// An OBJ file whose faces name points alone, each in one line that begins with it: a box needs neither
-/// normals nor textures. The reader takes no file of which some faces have them, and passes over lines that
-/// are indented.
+/// Reduces the faces of an OBJ file to point indices and removes indentation: a box needs neither normals nor
+/// textures, and the reader rejects files in which only some faces have them, and skips indented lines.
 fn of_points(bytes: &[u8]) -> Vec<u8> {
     let mut plain = Vec::with_capacity(bytes.len());
     let mut goes_on = false;
@@ -115,7 +114,7 @@ fn of_points(bytes: &[u8]) -> Vec<u8> {
             plain.push(b'\n');
             continue;
         }
-        // A line that ends in a backslash goes on in the next one.
+        // A trailing backslash continues the line.
         let whole = line.strip_suffix(b"\\");
         goes_on = whole.is_some();
         let mut is_point = true;
@@ -144,7 +143,7 @@ fn around<'a>(points: impl Iterator<Item = &'a [f32; 3]>) -> Result<Block, MeshE
     Ok(Block { centre: 0.5 * (low + high), half: 0.5 * (high - low) })
 }
 
-/// The shortest decimals of a point are what the file meant: 0.1, and not 0.10000000149.
+/// Uses the shortest decimals of a point, which the file intended: 0.1, not 0.10000000149.
 fn shortest(point: &Vector3<f32>) -> Vector3<f64> {
     point.map(|x| x.to_string().parse::<f64>().unwrap_or(f64::from(x)))
 }
@@ -222,7 +221,7 @@ mod tests {
             let block = bounds(&path, &mut 0).unwrap_or_else(|error| panic!("{faces}: {error:?}"));
             assert!((block.half - Vector3::new(0.05, 0.1, 0.15)).norm() < 1e-8, "{faces}: {block:?}");
         }
-        // What is not a face keeps its slashes.
+        // Lines other than faces keep their slashes.
         assert_eq!(of_points(b"# a/b\nmtllib a/b.mtl\nf 1/2 2//3 3"), b"# a/b\nmtllib a/b.mtl\nf 1 2 3\n");
     }
 
@@ -258,7 +257,7 @@ mod tests {
         let mut nan = binary();
         nan[96..100].copy_from_slice(&f32::NAN.to_le_bytes());
         assert!(matches!(said("nan.stl", &nan), MeshError::Broken(_)));
-        // A sparse file of a gigabyte is not even opened.
+        // A sparse file of 1 GB is not opened at all.
         let path = folder.path().join("huge.stl");
         std::fs::File::create(&path).unwrap().set_len(1 << 30).unwrap();
         assert!(matches!(bounds(&path, &mut 0), Err(MeshError::TooLarge(why)) if why.contains("1024 MiB")));

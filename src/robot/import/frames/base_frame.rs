@@ -1,8 +1,7 @@
 //! The frame of the base: x forward, y left, z up, its origin in the plane of symmetry.
 //!
-//! The lateral axis comes from the places of both legs' joints, up from the axes of the joints or from level
-//! soles, and forward from [`super::heading`]. A frame that follows the convention stays as it is, to the
-//! bit.
+//! The lateral axis follows from the positions of both legs' joints, up from the joint axes or from level
+//! soles, and forward from [`super::heading`]. A frame that follows the convention is preserved exactly.
 
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
@@ -12,74 +11,73 @@ use super::legs::Legs;
 use super::sole::Sole;
 use super::turn::{apart, nearest_permutation, rotation, upright};
 
-/// Distance in m, and length of the difference of unit vectors, up to which two sides mirror each other.
+/// Tolerance of mirror images: distance in m, and length of the difference of unit vectors.
 const MIRRORED: f64 = 2e-3;
-/// Distance in m of the origin from the plane of symmetry with which the two sides still mirror each other.
+/// Distance in m of the origin from the plane of symmetry within the tolerance of mirror images.
 const BESIDE: f64 = 0.5 * MIRRORED;
-/// Angle in rad up to which a frame is one that is meant to follow the convention.
+/// Angle in rad up to which a frame is assumed to follow the convention.
 pub(super) const NEAR: f64 = 0.52;
-/// Angle in rad between z and the normal of a level sole.
+/// Angle tolerance in rad between z and the normal of a level sole.
 const LEVEL: f64 = 1e-3;
 /// The same for a mesh, whose points are rounded.
 const LEVEL_MESH: f64 = 1e-2;
-/// Angle in rad between the normals of both soles up to which they say together where up is.
+/// Maximum angle in rad between the normals of both soles for them to define up.
 const AGREE: f64 = 0.02;
-/// Deviation of a joint's axis from a coordinate axis, as a length: rounded angles of a file.
+/// Length tolerance between a unit joint axis and a coordinate axis: angles in files are rounded.
 const ALIGNED: f64 = 1e-4;
-/// Heights of the origin above the hips between which a base has it, as shares of the legs' length: in the
-/// pelvis.
+/// Range of the origin's height above the hips, relative to leg length, for an origin in the pelvis.
 const PELVIS: [f64; 2] = [-0.1, 0.35];
-/// Distance of the origin before or behind the hips, as a share of the legs' length.
+/// Maximum distance of the origin in front of or behind the hips, relative to leg length.
 const AHEAD: f64 = 0.3;
-/// Length in m from which on the way between two joints is a bone with a direction.
+/// Minimum distance in m between two joints for a bone with a direction.
 const BONE: f64 = 0.05;
 
-/// What was found of a base.
+/// The result for a base.
 #[derive(Clone, Debug)]
 pub(super) struct Found {
-    /// Whether the two legs mirror each other. All frames stay where they do not.
+    /// Whether the two legs mirror each other. If not, all frames are preserved.
     pub mirrored: bool,
-    /// The frame in the one of the file; `None` where that one stays.
+    /// The new frame relative to the file's; `None` if that is preserved.
     pub frame: Option<Isometry3<f64>>,
-    /// Which of the two legs is the left one.
+    /// The index of the left leg.
     pub left: usize,
-    /// How far in m the origin moves to the left into the plane of symmetry.
+    /// Shift of the origin in m to the left, into the plane of symmetry.
     pub beside: f64,
-    /// How far in m the origin moves forward and up to the middle of the hips.
+    /// Shift of the origin in m forward and up, to the middle of the hips.
     pub hips: Option<[f64; 2]>,
     /// Whether up is that of the key frame.
     pub stands: bool,
-    /// What said which way is forward.
+    /// The evidence for the forward direction.
     pub evidence: Evidence,
-    /// 1 when the robot faces as the evidence counts, -1 against it.
+    /// 1 if the robot faces the direction that the evidence refers to, -1 if the opposite.
     pub way: i32,
 }
 
-/// Why there is no frame.
+/// Why no frame can be determined.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Unclear {
-    /// Which way is forward.
+    /// Forward is ambiguous.
     Heading(Evidence),
-    /// Where up is.
+    /// Up is ambiguous.
     Up,
 }
 
-/// What else is known of a base.
+/// Additional information about a base.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hints {
-    /// The file's upright world from the base's frame.
+    /// From the base's frame to the file's upright world.
     pub upright: UnitQuaternion<f64>,
-    /// The same in the key frame of which the default positions are.
+    /// The same in the key frame that the default positions come from.
     pub stance: Option<UnitQuaternion<f64>>,
-    /// The lateral axis that the axes of the legs' joints give, where the places of the joints give none.
+    /// The lateral axis from the axes of the legs' joints, if the joint positions do not define one.
     pub lateral: Option<Vector3<f64>>,
-    /// Up along legs that stand on their tips.
+    /// Up along legs that touch the ground with the tips of their feet.
     pub tiptoe: Option<Vector3<f64>>,
     /// Whether the user named the left and the right foot, in the order of the legs.
     pub named: bool,
 }
 
-/// Whether the places of both legs' joints are images of each other.
+/// Whether the positions of both legs' joints mirror each other.
 pub(super) fn places_mirror(legs: &Legs) -> bool {
     let pairs = legs.pairs();
     let across: Vec<Vector3<f64>> = pairs.iter().map(|[first, second]| first - second).collect();
@@ -94,8 +92,8 @@ pub(super) fn places_mirror(legs: &Legs) -> bool {
 /// The frame of a base.
 pub(super) fn frame(legs: &Legs, soles: &[Option<Sole>; 2], hints: &Hints) -> Result<Found, Unclear> {
     let Some(survey) = Survey::of(legs, soles, hints).filter(|_| places_mirror(legs)) else {
-        // Nothing lies beside or above anything, or the sides do not mirror each other, with which no robot
-        // file is read.
+        // Left and right are undefined, or the sides do not mirror each other; such robot files are rejected
+        // later.
         let beside = |leg: usize| legs.straight[legs.feet[leg]].translation.y;
         let left = if hints.named || beside(0) >= beside(1) { 0 } else { 1 };
         let evidence = Evidence::default();
@@ -130,13 +128,13 @@ pub(super) fn frame(legs: &Legs, soles: &[Option<Sole>; 2], hints: &Hints) -> Re
     Ok(Found { mirrored: true, frame: (!stays).then_some(pose), left, beside, hips, stands, evidence, way })
 }
 
-/// What the geometry says, in the frame of the file.
+/// The directions given by the geometry, in the file's frame.
 struct Survey<'a> {
     legs: &'a Legs,
     soles: &'a [Option<Sole>; 2],
-    /// From the second leg to the first one, unit.
+    /// Unit vector from the second leg to the first one.
     lateral: Vector3<f64>,
-    /// Up, across the lateral axis, unit.
+    /// Up, perpendicular to the lateral axis, unit length.
     up: Vector3<f64>,
     /// The same from soles that agree.
     level: Option<Vector3<f64>>,
@@ -169,13 +167,13 @@ impl<'a> Survey<'a> {
         Some(Self { legs, soles, lateral, up, level })
     }
 
-    /// x forward, y left, z up as far as the geometry says.
+    /// x forward, y left, z up, estimated from the geometry.
     fn frame(&self, way: i32) -> Matrix3<f64> {
         let y = self.lateral * f64::from(way);
         Matrix3::from_columns(&[y.cross(&self.up), y, self.up])
     }
 
-    /// What the file's x axis says of a direction: nothing where it points aside, or z not up.
+    /// Evidence of the file's x axis for a direction: 0 if it points sideways, or z not up.
     fn file(&self, forward: &Vector3<f64>) -> i32 {
         let clear = std::f64::consts::FRAC_1_SQRT_2;
         match forward.x {
@@ -185,8 +183,8 @@ impl<'a> Survey<'a> {
         }
     }
 
-    /// The frame that is meant: the file's own or one with its axes exchanged, that in which the file stands,
-    /// that along the joints' axes, or that of the level soles.
+    /// The most plausible frame: the file's own with permuted axes, the upright one of the file, that of the
+    /// joint axes, or that of the level soles.
     fn choose(&self, estimate: &Matrix3<f64>, hints: &Hints) -> Option<Matrix3<f64>> {
         let world = hints.upright.inverse().to_rotation_matrix().into_inner();
         let own = nearest_permutation(estimate);
@@ -203,7 +201,7 @@ impl<'a> Survey<'a> {
         }
         let mechanism = || self.mechanism(estimate).filter(|frame| self.is_aligned(frame));
         let soles = || self.level.and_then(|up| upright(&up, &estimate.column(0).into()));
-        // Where nothing is exact the pose is more likely to be off than the file's frame.
+        // If no frame is exact, the pose is more likely to be inaccurate than the file's frame.
         let meant = || {
             let levels = soles().filter(|_| self.legs.known).map_or(0, |frame| self.aligned(&frame));
             files.iter().rev().find(|frame| follows(frame) && self.aligned(frame) >= levels).copied()
@@ -217,8 +215,8 @@ impl<'a> Survey<'a> {
         mechanism().or_else(meant).or_else(soles).or_else(mirrored)
     }
 
-    /// The frame that is upright in the file's key frame, where the soles are level in it and not in the
-    /// file's own frame.
+    /// The frame that is upright in the key frame, if the soles are level there but not in the file's own
+    /// frame.
     fn in_key_frame(&self, estimate: &Matrix3<f64>, hints: &Hints) -> Option<Matrix3<f64>> {
         let stance =
             hints.stance.filter(|stance| stance.inverse().transform_vector(&Vector3::z()).z < 1.0 - 1e-9)?;
@@ -234,13 +232,13 @@ impl<'a> Survey<'a> {
         if near(&frame) && self.is_level(&frame) {
             return Some(frame);
         }
-        // Figures of a key frame are rounded: the soles are exact.
+        // Key frames have rounded values; the soles are exact.
         let level = self.level.filter(|level| angle(level, &up) < LEVEL_MESH)?;
         Some(Matrix3::from_columns(&[y.cross(&level), y, level]))
     }
 
-    /// How far in m the middle of the hips is ahead of and above the origin, where the origin is outside of
-    /// the pelvis.
+    /// Position in m of the middle of the hips in front of and above the origin, if the origin is outside the
+    /// pelvis.
     fn way_to_hips(&self, turn: &Matrix3<f64>) -> Option<[f64; 2]> {
         let hips = turn.transpose() * self.legs.hips(&self.lateral)?;
         let feet =
@@ -259,8 +257,7 @@ impl<'a> Survey<'a> {
         })
     }
 
-    /// The directions of the mechanism: axes of the legs' joints or, where all of them are pitch joints,
-    /// bones too.
+    /// The directions of the mechanism: axes of the legs' joints and, if all of them are pitch joints, bones.
     fn directions(&self) -> Vec<Vector3<f64>> {
         let joints = self.legs.own.iter().flatten();
         let mut directions: Vec<Vector3<f64>> = joints.map(|joint| self.legs.axes[*joint]).collect();
@@ -278,7 +275,7 @@ impl<'a> Survey<'a> {
         directions
     }
 
-    /// The axis of a frame along which a direction is.
+    /// The axis of a frame that a direction is parallel to.
     fn along(frame: &Matrix3<f64>, direction: &Vector3<f64>) -> Option<usize> {
         let seen = frame.transpose() * direction;
         let axis = seen.iamax();
@@ -287,7 +284,7 @@ impl<'a> Survey<'a> {
         ((seen - exact).norm() < ALIGNED).then_some(axis)
     }
 
-    /// How many directions of the mechanism are along x or z of a frame.
+    /// The number of directions of the mechanism parallel to x or z of a frame.
     fn aligned(&self, frame: &Matrix3<f64>) -> usize {
         let axes = self
             .directions()
@@ -297,7 +294,7 @@ impl<'a> Survey<'a> {
         axes.into_iter().filter(|axis| *axis != 1).count()
     }
 
-    /// Whether every direction of the mechanism is a coordinate axis of a frame, and not all of them y.
+    /// Whether every direction of the mechanism is parallel to an axis of a frame, and not all to y.
     fn is_aligned(&self, frame: &Matrix3<f64>) -> bool {
         self.directions().iter().all(|direction| Self::along(frame, direction).is_some())
             && self.aligned(frame) > 0
@@ -314,7 +311,7 @@ impl<'a> Survey<'a> {
         Some(Matrix3::from_columns(&[y.cross(&z), y, z]))
     }
 
-    /// How far in m the plane of symmetry is from the origin along y, where that is not through it.
+    /// Distance in m of the plane of symmetry from the origin along y, unless it contains the origin.
     fn beside(&self, y: &Vector3<f64>) -> Option<f64> {
         let pairs = self.legs.pairs();
         let middles = pairs.iter().map(|[first, second]| 0.5 * (first + second).dot(y));
@@ -323,8 +320,7 @@ impl<'a> Survey<'a> {
     }
 }
 
-/// The lateral axis as the pitch joints have it, which a file writes more exactly than the places of its
-/// joints.
+/// The lateral axis of the pitch joints, which files specify more precisely than the joint positions.
 fn exact_lateral(legs: &Legs, mean: &Vector3<f64>) -> Vector3<f64> {
     let along = |joint: &usize| legs.axes[*joint] * legs.axes[*joint].dot(mean).signum();
     let pitches: Vec<Vector3<f64>> =

@@ -1,27 +1,27 @@
 //! The frame of a foot: z is the normal of the sole, x points forward.
 //!
-//! Works in the frame of the foot's link. A frame that follows the convention stays as it is, to the bit.
+//! Works in the frame of the foot's link. A frame that follows the convention is preserved exactly.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::sole::{Ball, Sole};
 use super::turn::{nearest_permutation, upright};
 
-/// Angle in rad between z and the normal of a flat sole up to which the frame follows the convention.
+/// Angle tolerance in rad between z and the normal of a flat sole for the frame to be preserved.
 const EXACT: f64 = 1e-4;
-/// The same for the sole of a mesh, whose points are rounded.
+/// The same for a sole from a mesh, whose points are rounded.
 const MESH: f64 = 1e-2;
-/// The same for a sole that is not flat and has no exact normal.
+/// The same for a sole that is not flat and thus has no exact normal.
 const UNEVEN: f64 = 0.1;
-/// Share of an area or volume that is rounding.
+/// Relative rounding error of an area or volume.
 const ROUNDING: f64 = 1e-6;
-/// Share by which a rectangle around a flat sole, and the box around another, may be larger than the
-/// smallest.
+/// Relative excess over the smallest rectangle around a flat sole, and over the smallest box around another
+/// one.
 const LARGER: [f64; 2] = [1e-3, 0.05];
-/// Share by which the box around an uneven sole has to shrink for a frame to be left.
+/// Minimum relative reduction of an uneven sole's box for a new frame.
 const UNEVEN_GAIN: f64 = 0.01;
 
-/// Directions of the base in the frame of a foot's link, in the default pose.
+/// Directions of the base in the foot link's frame, in the default pose.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Directions {
     /// Up.
@@ -30,7 +30,7 @@ pub(super) struct Directions {
     pub forward: Vector3<f64>,
 }
 
-/// The foot's frame in the frame of its link; `None` where that one stays.
+/// The foot's frame relative to its link; `None` if that is preserved.
 pub(super) fn frame(sole: Option<&Sole>, base: &Directions) -> Option<Matrix3<f64>> {
     match sole {
         Some(sole) => of_sole(sole, base),
@@ -52,14 +52,15 @@ fn of_sole(sole: &Sole, base: &Directions) -> Option<Matrix3<f64>> {
         (true, true) => MESH,
         (false, _) => UNEVEN,
     };
-    // An exact normal is the sole's own; another one is taken for level where it nearly is.
+    // Exact normals are kept; others are replaced by up if they are close to it.
     let exact = sole.flat && !sole.mesh;
     let z = if !exact && angle(&sole.normal, &base.up) <= tolerance { base.up } else { sole.normal };
     let level = upright(&z, &base.forward)?;
     let size = |frame: &Matrix3<f64>| size(&sole.balls, frame, !exact);
     let gain = if exact { ROUNDING } else { UNEVEN_GAIN };
     let as_small = |frame: &Matrix3<f64>, other: &Matrix3<f64>| size(frame) <= size(other) * (1.0 + gain);
-    // A frame that is level in the pose is trusted more than the underside of a mesh, which may be anything.
+    // A frame that is level in the pose is more reliable than the underside of a mesh, which can have any
+    // shape.
     let stands = upright(&base.up, &base.forward).filter(|_| sole.mesh);
     let is_level = |frame: &Matrix3<f64>| {
         let level = stands.as_ref().filter(|_| angle(&frame.column(2).into(), &base.up) <= MESH);
@@ -78,12 +79,12 @@ fn of_sole(sole: &Sole, base: &Directions) -> Option<Matrix3<f64>> {
     Some(frame).filter(|frame| (frame - Matrix3::identity()).norm() > ROUNDING)
 }
 
-/// Whether x points to the same quarter as that of another frame.
+/// Whether x points in the same quadrant as that of another frame.
 fn ahead(frame: &Matrix3<f64>, level: &Matrix3<f64>) -> bool {
     frame.column(0).dot(&level.column(0)) > std::f64::consts::FRAC_1_SQRT_2 - 1e-9
 }
 
-/// The area (m^2) of the rectangle around balls along x and y of a frame, or the volume (m^3) of the box.
+/// The area (m^2) of the rectangle around spheres along x and y of a frame, or the volume (m^3) of the box.
 fn size(balls: &[Ball], frame: &Matrix3<f64>, volume: bool) -> f64 {
     let extent = |axis: usize| {
         let along = |ball: &Ball| ball.centre.dot(&frame.column(axis));
@@ -94,8 +95,8 @@ fn size(balls: &[Ball], frame: &Matrix3<f64>, volume: bool) -> f64 {
     (0..if volume { 3 } else { 2 }).map(extent).product()
 }
 
-/// The frame with the same z whose x, nearest to that of `level`, lies along the smallest rectangle around
-/// the sole: one of its sides lies on an edge of the hull.
+/// The frame with the same z, and x nearest to that of `level`, along the smallest rectangle around the sole:
+/// one side is on an edge of the hull.
 fn along_edges(sole: &Sole, level: &Matrix3<f64>) -> Matrix3<f64> {
     let [x, y, z] = [0, 1, 2].map(|axis| Vector3::from(level.column(axis)));
     let seen = sole.balls.iter().map(|ball| nalgebra::Point2::new(ball.centre.dot(&x), ball.centre.dot(&y)));

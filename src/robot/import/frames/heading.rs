@@ -7,20 +7,20 @@ use super::legs::Legs;
 use super::sole::Sole;
 use crate::robot::symmetry::side_of;
 
-/// Share of a foot's length by which its middle lies ahead of the ankle when it says where the toes are.
+/// Minimum distance of a foot's middle from the ankle, relative to foot length, to locate the toes.
 const TOES: f64 = 0.05;
-/// Share of a leg's length by which a knee lies off the line from hip to ankle when it says where it bends
-/// to.
+/// Minimum distance of a knee from the line between hip and ankle, relative to leg length, to tell which way
+/// it bends.
 const BENT: f64 = 0.02;
-/// Middle of a knee's range in rad from which on it says where the knee bends to.
+/// Minimum middle of a knee's range in rad to tell which way it bends.
 const RANGE: f64 = 0.2;
-/// Cosine of the angle to the lateral axis up to which a joint is a pitch joint.
+/// Minimum cosine of the angle between a pitch joint and the lateral axis.
 const PITCH: f64 = 0.9;
 
-/// What speaks for facing along a direction (1), against it (-1), or for neither (0).
+/// The evidence for facing along a direction: 1 for, -1 against, 0 undecided.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Evidence {
-    /// Feet reach further ahead of their ankles than behind.
+    /// Feet extend further in front of their ankles than behind.
     pub toes: i32,
     /// The names of the bodies and joints of both sides.
     pub names: i32,
@@ -28,13 +28,13 @@ pub(super) struct Evidence {
     pub knees: i32,
     /// The x axis of the file's frame.
     pub file: i32,
-    /// The feet as the user names them.
+    /// The feet as named by the user.
     pub asked: i32,
 }
 
 impl Evidence {
-    /// The way that the robot faces; `None` where that cannot be decided. What the user says counts where the
-    /// rest is contradictory, because a mistake in it would exchange the robot's sides.
+    /// The facing direction; `None` if undecidable. What the user says counts only if the rest is
+    /// contradictory, because a mistake in it would swap the robot's sides.
     pub fn decide(&self) -> Option<i32> {
         let weak = match (self.knees, self.file) {
             (knees, file) if knees == file || file == 0 => knees,
@@ -53,7 +53,7 @@ impl Evidence {
         [decided, self.asked].into_iter().find(|way| *way != 0)
     }
 
-    /// What speaks for either way, in words.
+    /// The evidence for both directions as text.
     pub fn in_words(&self) -> String {
         let kinds = [
             ("the feet", self.toes),
@@ -73,7 +73,7 @@ impl Evidence {
     }
 }
 
-/// What the geometry and the names say of facing along `forward` (base frame, unit), with `lateral` pointing
+/// The evidence of geometry and names for facing along `forward` (base frame, unit), with `lateral` pointing
 /// from the second leg to the first one.
 pub(super) fn evidence(
     legs: &Legs,
@@ -89,7 +89,7 @@ pub(super) fn evidence(
     }
 }
 
-/// The sign of a number that is clearly not zero.
+/// The sign of a number, or 0 below the threshold.
 fn sign(value: f64, clear: f64) -> i32 {
     if value > clear {
         1
@@ -130,8 +130,8 @@ fn knees(legs: &Legs, forward: &Vector3<f64>, lateral: &Vector3<f64>) -> i32 {
         let off = bend - leg * (bend.dot(&leg) / leg.norm_squared().max(1e-12));
         let bent = sign(off.dot(forward), BENT * leg.norm());
         let swung = || {
-            // With straight legs the knee's range says where the shank swings to: backward, where the knee
-            // bends forward.
+            // With straight legs the knee's range tells where the shank swings: backward, if the knee bends
+            // forward.
             let at = |joint: usize| legs.straight[joint].translation.vector;
             let middle = legs.middle_of_range(*knee).filter(|middle| middle.abs() > RANGE)?;
             let swing = legs.axes[*knee].cross(&(at(ankle) - at(*knee))) * middle;
@@ -142,7 +142,8 @@ fn knees(legs: &Legs, forward: &Vector3<f64>, lateral: &Vector3<f64>) -> i32 {
     votes.signum()
 }
 
-/// What the names say: with the first leg's on the left, `lateral` points to the left and the way is forward.
+/// The evidence of names: if the first leg is the left one, `lateral` points to the left and the direction is
+/// forward.
 fn names(legs: &Legs) -> i32 {
     let votes = |side: usize| legs.names[side].iter().filter_map(|name| side_of(name)).sum::<i32>();
     match (votes(0).signum(), votes(1).signum()) {
@@ -159,21 +160,21 @@ mod tests {
     #[test]
     fn evidence_decides_by_its_weight() {
         let all = |toes, names, knees, file, asked| Evidence { toes, names, knees, file, asked }.decide();
-        // A root that points backward under a human-like robot.
+        // A root facing backward in an otherwise human-like robot.
         assert_eq!(all(1, 1, 1, -1, 0), Some(1));
-        // Symmetric feet: names, or else the knees and the file together, or the file alone.
+        // Symmetric feet: the names decide, or the knees together with the file, or the file alone.
         assert_eq!(all(0, 1, -1, -1, 0), Some(1));
         assert_eq!(all(0, 0, 1, 1, 0), Some(1));
         assert_eq!(all(0, 0, 0, 1, 0), Some(1));
         assert_eq!(all(0, 0, 1, 0, 0), Some(1));
-        // Contradictions that nothing else settles are the user's to settle.
+        // Contradictions that the user must settle.
         assert_eq!(all(0, 0, -1, 1, 0), None);
         assert_eq!(all(0, 0, -1, 1, 1), Some(1));
         assert_eq!(all(1, -1, 0, 0, 0), None);
         assert_eq!(all(1, -1, 0, 0, -1), Some(-1));
         assert_eq!(all(1, -1, -1, -1, 0), Some(-1));
         assert_eq!(all(1, 0, -1, -1, 0), None);
-        // A mistake in --feet exchanges nothing.
+        // A mistake in --feet does not swap the sides.
         assert_eq!(all(1, 0, 1, 1, -1), Some(1));
         assert_eq!(all(0, 0, 0, 0, 0), None);
     }

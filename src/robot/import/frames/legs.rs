@@ -1,5 +1,4 @@
-//! The legs of a welded tree while its frames are still those of the file: joints, poses and axes in the
-//! base's frame.
+//! The legs of a welded tree before its frames are changed: joints, poses and axes in the base's frame.
 
 use nalgebra::{Isometry3, Vector3};
 
@@ -8,20 +7,20 @@ use super::super::tree::Hinge;
 use super::super::welded::Welded;
 use crate::robot::{Kinematics, legs};
 
-/// Distance in rad of a default position from the joint's limits up to which it is rounded.
+/// Excess in rad of a default position over the joint's limits that is attributed to rounding.
 const BEYOND: f64 = 1e-4;
 
-/// Both legs, in the order in which the feet are given.
+/// Both legs, in the order of the given feet.
 #[derive(Clone, Debug)]
 pub(super) struct Legs {
     /// The feet's links.
     pub feet: [usize; 2],
-    /// The joints of each leg without those of both, from the hip down.
+    /// The joints of each leg from the hip down, without shared ones.
     pub own: [Vec<usize>; 2],
     /// Poses of all links with all joints at zero.
     pub straight: Vec<Isometry3<f64>>,
-    /// Poses of all links in the default pose, where a joint without a default position is at zero; all are
-    /// where one is outside of its limits.
+    /// Poses of all links in the default pose. Joints without a default position are at zero, and all joints
+    /// if one is outside its limits.
     pub posed: Vec<Isometry3<f64>>,
     /// Axes of all joints with all joints at zero.
     pub axes: Vec<Vector3<f64>>,
@@ -31,13 +30,13 @@ pub(super) struct Legs {
     pub coms: [Option<Vector3<f64>>; 2],
     /// Names of the bodies and joints of each leg.
     pub names: [Vec<String>; 2],
-    /// Names of the joints whose default positions are outside of their limits.
+    /// Names of the joints whose default positions are outside their limits.
     pub outside: Vec<String>,
     ranges: Vec<Option<[f64; 2]>>,
 }
 
 impl Legs {
-    /// The legs of a tree with these feet; default positions come from the file or from what is filled in.
+    /// The legs of a tree with these feet; default positions come from the file or the fills.
     pub fn of(welded: &Welded, feet: [usize; 2], fills: &[Fill]) -> Self {
         let mut skeleton = welded.skeleton();
         skeleton.feet.iter_mut().zip(feet).for_each(|(foot, link)| foot.link = link);
@@ -57,7 +56,7 @@ impl Legs {
                 .map(|_| hinge.name.clone())
         };
         let outside: Vec<String> = welded.hinges().zip(&defaults).filter_map(beyond).collect();
-        // A pose that the robot cannot have says nothing of its frames.
+        // An impossible pose contains no information about the frames.
         if !outside.is_empty() {
             defaults.iter_mut().for_each(|position| *position = None);
         }
@@ -88,13 +87,12 @@ impl Legs {
         Self { feet, own, straight, posed, axes, known, coms, names, outside, ranges }
     }
 
-    /// The middle of a joint's range in rad, where the file has one.
+    /// The middle of a joint's range in rad, if the file has one.
     pub fn middle_of_range(&self, joint: usize) -> Option<f64> {
         self.ranges[joint].map(|[lower, upper]| 0.5 * (lower + upper))
     }
 
-    /// Pairs of places with all joints at zero that are images of each other where the legs mirror each
-    /// other, in m.
+    /// Pairs of points in m, with all joints at zero, that mirror each other if the legs do.
     pub fn pairs(&self) -> Vec<[Vector3<f64>; 2]> {
         let place = |joint: usize| self.straight[joint].translation.vector;
         let [first, second] = &self.own;
@@ -104,9 +102,8 @@ impl Legs {
         vec![self.feet.map(place)]
     }
 
-    /// From the lowest points of the feet along `down` to the hips in the default pose, in m: what says where
-    /// up is of legs that stand on their tips with bent knees. `tips` are those points in the frames of the
-    /// feet.
+    /// The vector in m from the lowest points of the feet along `down` to the hips in the default pose. It
+    /// gives up for legs on tiptoe with bent knees. `tips` are those points in the frames of the feet.
     pub fn upwards_from(&self, tips: [Vector3<f64>; 2]) -> Vector3<f64> {
         let way = |side: usize| {
             let (foot, hip) = (self.feet[side], self.own[side].first().copied().unwrap_or(self.feet[side]));
@@ -116,7 +113,7 @@ impl Legs {
         0.5 * (way(0) + way(1))
     }
 
-    /// The middle between both hips, at the height of their pitch axes, with all joints at zero, in m.
+    /// The midpoint of the hips, at the height of their pitch axes, with all joints at zero, in m.
     pub fn hips(&self, lateral: &Vector3<f64>) -> Option<Vector3<f64>> {
         let pitch = |joint: &&usize| self.axes[**joint].dot(lateral).abs() > std::f64::consts::FRAC_1_SQRT_2;
         let hip = |side: usize| self.own[side].iter().find(pitch).or_else(|| self.own[side].first());
@@ -124,8 +121,8 @@ impl Legs {
         Some(0.5 * (place(hip(0)?) + place(hip(1)?)))
     }
 
-    /// From the middle of the feet to the middle of the hips in the default pose, in m; feet of one joint are
-    /// where `soles` are.
+    /// The vector in m from the middle of the feet to the middle of the hips in the default pose; feet with
+    /// one joint are located by `soles`.
     pub fn upwards(&self, soles: [Option<Vector3<f64>>; 2]) -> Vector3<f64> {
         let place = |joint: usize| self.posed[joint].translation.vector;
         let mut along = Vector3::zeros();

@@ -1,8 +1,8 @@
-//! Joints as lines: where along its own axis a joint has its origin is the author's choice, and the robot is
-//! the same.
+//! Joints as lines: the position of a joint's origin along its axis is arbitrary and does not change the
+//! robot.
 //!
-//! Finds the plane in which the axes of both legs mirror each other when their origins do not, and slides
-//! origins along the axes until they do. Works in the base's frame of the file, joints at zero.
+//! Finds the plane in which the axes of both legs mirror each other when their origins do not, and moves
+//! origins along the axes until they do. Works in the file's base frame, joints at zero.
 
 use nalgebra::{Isometry3, Translation3, Vector3};
 
@@ -11,10 +11,9 @@ use super::legs::Legs;
 use super::turn;
 use crate::robot::symmetry::TOLERANCE;
 
-/// Length of the sum or difference of two unit axes from which on it has a direction.
+/// Minimum length of the sum or difference of two unit axes to define a direction.
 const PARALLEL: f64 = 0.1;
-/// Share of the distance of two places by which they may miss each other's image: soles and masses are no
-/// figures of joints.
+/// Tolerance of mirrored points, relative to their distance: soles and masses are less precise than joints.
 const PLACES: f64 = 0.25;
 
 /// A plane of symmetry.
@@ -22,9 +21,9 @@ const PLACES: f64 = 0.25;
 pub(super) struct Plane {
     /// Unit normal, from the second leg to the first one.
     pub normal: Vector3<f64>,
-    /// Distance from the origin along the normal, in m.
+    /// Distance from the origin along the normal in m.
     offset: f64,
-    /// Largest miss of an axis, as a length in m or a difference of unit vectors.
+    /// Largest deviation of an axis, in m or as the difference of unit vectors.
     miss: f64,
 }
 
@@ -34,13 +33,13 @@ impl Plane {
     }
 }
 
-/// The joints of both legs, from the hips down, as pairs that ought to mirror each other.
+/// The joints of both legs from the hips down, as pairs that should mirror each other.
 fn pairs(legs: &Legs) -> impl Iterator<Item = [usize; 2]> {
     legs.own[0].iter().zip(&legs.own[1]).map(|(first, second)| [*first, *second])
 }
 
-/// The plane in which the axes of the legs' joints mirror each other. `places` are pairs of places that are
-/// images of each other for certain, such as the middles of both soles.
+/// The plane in which the axes of the legs' joints mirror each other. `places` are pairs of points that
+/// certainly mirror each other, such as the middles of both soles.
 pub(super) fn plane(legs: &Legs, places: &[[Vector3<f64>; 2]]) -> Option<Plane> {
     if legs.own[0].len() != legs.own[1].len() || places.is_empty() {
         return None;
@@ -65,8 +64,8 @@ fn mirrored(legs: &Legs, places: &[[Vector3<f64>; 2]], normal: Vector3<f64>) -> 
     let point = |joint: usize| legs.straight[joint].translation.vector;
     let reflected = |vector: Vector3<f64>| vector - normal * (2.0 * vector.dot(&normal));
     let mut miss: f64 = 0.0;
-    // Of every pair the way across the second axis from the first one's image, in a plane through the origin,
-    // to it, and what the plane's offset adds to it.
+    // For each pair: the vector from the first axis's image, in a plane through the origin, to the second
+    // axis, perpendicular to it; and its change per unit of the plane's offset.
     let mut ways: Vec<[Vector3<f64>; 2]> = Vec::new();
     for [first, second] in pairs(legs) {
         let (image, axis) = (reflected(legs.axes[first]), legs.axes[second]);
@@ -78,7 +77,7 @@ fn mirrored(legs: &Legs, places: &[[Vector3<f64>; 2]], normal: Vector3<f64>) -> 
     let offset = if told > 1e-2 {
         ways.iter().map(|[way, shift]| way.dot(shift)).sum::<f64>() / told
     } else {
-        // Pitch joints alone say nothing of it.
+        // Pitch joints alone do not determine the offset.
         let middle = |a: Vector3<f64>, b: Vector3<f64>| 0.5 * (a + b).dot(&normal);
         let own: Vec<f64> = pairs(legs).map(|[first, second]| middle(point(first), point(second))).collect();
         let known: Vec<f64> = places.iter().map(|[first, second]| middle(*first, *second)).collect();
@@ -92,7 +91,7 @@ fn mirrored(legs: &Legs, places: &[[Vector3<f64>; 2]], normal: Vector3<f64>) -> 
     (plane.miss < TOLERANCE && sides).then_some(plane)
 }
 
-/// The mean of the numbers that are most of all and agree.
+/// The mean of the largest group of similar numbers, if it is a majority.
 fn agreed(numbers: &[f64]) -> Option<f64> {
     let near =
         |number: f64| numbers.iter().copied().filter(move |other| (other - number).abs() < 0.5 * TOLERANCE);
@@ -101,8 +100,8 @@ fn agreed(numbers: &[f64]) -> Option<f64> {
     (2 * count > numbers.len()).then(|| near(most).sum::<f64>() / count as f64)
 }
 
-/// Slides the origins of the legs' joints along their axes until the two of each pair are images of each
-/// other; returns what is said of it. Of a pair the joint that is further from its neighbours moves.
+/// Moves the origins of the legs' joints along their axes until each pair mirrors each other; returns a
+/// remark. Of a pair, the joint that is further from its neighbours moves.
 pub(super) fn slide(
     welded: &mut Welded,
     legs: &Legs,

@@ -1,9 +1,8 @@
-//! The frames of the base and of the feet, written anew where the file's do not follow the convention of
-//! robot files: the base has x forward, y left and z up, a foot's z is the normal of its sole and its x
-//! points forward.
+//! Rewrites the frames of the base and the feet if they violate the convention of robot files: the base has x
+//! forward, y left and z up; a foot's z is the normal of its sole and its x points forward.
 //!
-//! All figures of a body whose frame changes are written in the new one, so the robot stays the same. Every
-//! change is a remark; what cannot be decided is E0416, and feet that `--feet` names the other way round are
+//! All quantities of a body are transformed to its new frame, so the robot stays the same. Every change is
+//! reported as a remark. Undecidable frames are E0416, and feet that `--feet` names the wrong way round are
 //! W0401.
 
 mod base_frame;
@@ -33,27 +32,27 @@ use legs::Legs;
 pub(super) use root::root;
 use sole::Piece;
 
-/// Angle in rad from which on a frame was turned.
+/// Minimum angle in rad for a frame to count as rotated.
 const TURNED: f64 = 1e-9;
-/// Angle in rad between z and up from which on a base does not stand upright.
+/// Minimum angle in rad between z and up for a base to count as tilted.
 const ASLANT: f64 = 1e-3;
 
-/// What frames are decided from, besides the welded tree.
+/// Inputs for the choice of frames in addition to the welded tree.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Known<'a> {
-    /// The file's upright world from the base's frame.
+    /// From the base's frame to the file's upright world.
     pub upright: UnitQuaternion<f64>,
-    /// The same in the key frame of which the default positions are.
+    /// The same in the key frame that the default positions come from.
     pub stance: Option<UnitQuaternion<f64>>,
-    /// Figures that are filled in, default positions among them.
+    /// Filled-in values, including default positions.
     pub fills: &'a [Fill],
-    /// Of the moving bodies, the boxes that stand for meshes.
+    /// For each moving body, the boxes that replace meshes.
     pub meshes: &'a BTreeMap<usize, Vec<&'a MeshBox>>,
     /// Whether the user named the left and the right foot.
     pub named: bool,
 }
 
-/// Writes the frames of the base and of these feet by the convention; returns the left and the right foot.
+/// Changes the frames of the base and these feet to the convention; returns the left and the right foot.
 pub(super) fn express(
     welded: &mut Welded,
     feet: [usize; 2],
@@ -112,7 +111,7 @@ pub(super) fn express(
     Ok([feet[found.left], feet[1 - found.left]])
 }
 
-/// What is said of a default pose that the robot cannot have.
+/// The remark on an impossible default pose.
 fn impossible(legs: &Legs) -> Option<String> {
     let joints = listed(legs.outside.iter().map(String::as_str));
     (!legs.outside.is_empty()).then(|| {
@@ -124,7 +123,7 @@ fn impossible(legs: &Legs) -> Option<String> {
     })
 }
 
-/// Pairs of places with all joints at zero that mirror each other wherever joints have their origins: the
+/// Pairs of points, with all joints at zero, that mirror each other regardless of the joint origins: the
 /// soles and the centres of mass of the legs.
 fn places(legs: &Legs, middles: [Option<Vector3<f64>>; 2]) -> Vec<[Vector3<f64>; 2]> {
     let sole = |side: usize| Some((legs.straight[legs.feet[side]] * Point3::from(middles[side]?)).coords);
@@ -132,8 +131,7 @@ fn places(legs: &Legs, middles: [Option<Vector3<f64>>; 2]) -> Vec<[Vector3<f64>;
     [pair([sole(0), sole(1)]), pair(legs.coms)].into_iter().flatten().collect()
 }
 
-/// Up as the tips of the feet have it, where bent legs point elsewhere than up in the file and their tips do
-/// not.
+/// Up according to the tips of the feet, if bent legs disagree with the file's up and their tips do not.
 fn on_tips(
     legs: &Legs,
     shapes: &[Hull; 2],
@@ -154,8 +152,7 @@ fn on_tips(
     (!aslant(&way)).then_some(way)
 }
 
-/// What is said of a base whose frame stays and does not stand upright in the source, neither in its key
-/// frame.
+/// The remark on a base whose frame is preserved but upright neither in the source nor in its key frame.
 fn aslant(welded: &Welded, known: &Known) -> Option<String> {
     let attitude = known.stance.unwrap_or(known.upright);
     let tilt = foot::angle(&(attitude * Vector3::z()), &Vector3::z());
@@ -171,7 +168,7 @@ fn aslant(welded: &Welded, known: &Known) -> Option<String> {
     })
 }
 
-/// Writes the base in a new frame, whose pose in the old one is given; returns what is said of it.
+/// Transforms the base to a new frame, given its pose in the old one; returns a remark.
 fn express_base(welded: &mut Welded, frame: &Isometry3<f64>, found: &Found) -> String {
     let name = &welded.base.name;
     let mut changes = Vec::new();
@@ -205,8 +202,8 @@ fn express_base(welded: &mut Welded, frame: &Isometry3<f64>, found: &Found) -> S
     remark
 }
 
-/// Writes a foot in a new frame, given in the old one; the box of a mesh is the one along the new axes.
-/// Returns what is said of it.
+/// Transforms a foot to a new frame, given in the old one; the box of a mesh is fitted to the new axes.
+/// Returns a remark.
 fn express_foot(welded: &mut Welded, foot: usize, frame: &Matrix3<f64>, hull: &Hull) -> String {
     let turn = turn::rotation(frame);
     let link = &mut welded.links[foot];
@@ -231,7 +228,7 @@ fn express_foot(welded: &mut Welded, foot: usize, frame: &Matrix3<f64>, hull: &H
     remark
 }
 
-/// The box around points along the axes of a turned frame, in the frame of the points.
+/// The box around points along the axes of a rotated frame, in the frame of the points.
 fn boxed(points: &[Vector3<f64>], turn: &UnitQuaternion<f64>) -> Option<Collision> {
     let back = turn.inverse();
     let seen = || points.iter().map(|point| back * point);
@@ -244,7 +241,7 @@ fn boxed(points: &[Vector3<f64>], turn: &UnitQuaternion<f64>) -> Option<Collisio
 /// The shapes of a foot: primitives, and the points of meshes.
 struct Hull {
     pieces: Vec<Piece>,
-    /// By their indices among the collision shapes.
+    /// By index of the collision shape.
     meshes: BTreeMap<usize, Vec<Vector3<f64>>>,
 }
 
@@ -266,7 +263,7 @@ impl Hull {
     }
 }
 
-/// The points of the mesh for which a box stands, in the frame of its body.
+/// The points of the mesh that a box replaces, in the frame of its body.
 fn points(mesh: &MeshBox, collision: &Collision) -> Option<Vec<Vector3<f64>>> {
     let Block { centre, .. } = mesh.block;
     let frame = collision.pose * Translation3::from(-centre);
@@ -275,7 +272,7 @@ fn points(mesh: &MeshBox, collision: &Collision) -> Option<Vec<Vector3<f64>>> {
     Some(points.iter().map(|point| (frame * Point3::from(point.component_mul(&scale))).coords).collect())
 }
 
-/// The feet that `--feet` names the other way round (W0401).
+/// W0401: `--feet` names the feet the wrong way round.
 fn exchanged(welded: &Welded, feet: [usize; 2]) -> Diagnostic {
     let [left, right] = feet.map(|foot| welded.links[foot].body.name.as_str());
     let message =
@@ -283,7 +280,7 @@ fn exchanged(welded: &Welded, feet: [usize; 2]) -> Diagnostic {
     Diagnostic::warning("W0401", message).help(format!("they were exchanged: write --feet {right},{left}"))
 }
 
-/// A frame that cannot be decided (E0416).
+/// E0416: the frame is undecidable.
 fn refusal(welded: &Welded, unclear: &Unclear) -> Diagnostic {
     let name = &welded.base.name;
     match unclear {

@@ -1,12 +1,11 @@
-//! The body that is a robot's base: the first one with mass. A root such as `base_footprint` is a frame
-//! without mass.
+//! The body that is a robot's base: the first one with mass. A root such as `base_footprint` is only a frame.
 
 use nalgebra::Isometry3;
 
 use super::super::tree::{Part, Tree, Weight};
 
-/// Share of what is rigidly connected to the root below which a mass without shapes is a frame's: simulators
-/// refuse bodies without any.
+/// A mass without shapes below this share of what is rigidly connected to the root is only nominal:
+/// simulators reject bodies without mass.
 const NEGLIGIBLE: f64 = 1e-3;
 
 /// The base of a tree.
@@ -20,8 +19,8 @@ pub(in super::super) struct Root {
     pub skipped: Vec<usize>,
 }
 
-/// The base of a tree of which these joints are kept: the first body with mass among those fixed to the root,
-/// of several the heaviest; the root where none has a mass.
+/// The base of a tree with these remaining joints: the first body with mass that is fixed to the root, of
+/// several the heaviest; the root if none has mass.
 pub(in super::super) fn root(tree: &Tree, kept: &[bool]) -> Root {
     let mut rigid = vec![false; tree.parts.len()];
     let mut poses: Vec<Isometry3<f64>> = Vec::with_capacity(tree.parts.len());
@@ -47,7 +46,7 @@ pub(in super::super) fn root(tree: &Tree, kept: &[bool]) -> Root {
             && above(*index).iter().all(|above| is_frame(&tree.parts[*above]))
     };
     let bodies = (0..tree.parts.len()).filter(first);
-    // The first one of those that are as heavy.
+    // Of equally heavy ones the first.
     let heaviest = bodies.reduce(|best, next| if mass(tree, next) > mass(tree, best) { next } else { best });
     let body = heaviest.unwrap_or(0);
     Root { body, pose: if body == 0 { Isometry3::identity() } else { poses[body] }, skipped: above(body) }
@@ -58,7 +57,7 @@ fn mass(tree: &Tree, index: usize) -> f64 {
 }
 
 impl Root {
-    /// What is said of the bodies above the base.
+    /// The remark on the bodies above the base.
     pub fn remark(&self, tree: &Tree) -> Option<String> {
         let name = |index: &usize| format!("`{}`", tree.parts[*index].body.name);
         let names: Vec<String> = self.skipped.iter().map(name).collect();

@@ -1,6 +1,6 @@
-//! The plane on which a foot rests: the facet of its convex hull under its middle, along the leg.
+//! The plane on which a foot rests: the facet of its convex hull below its middle, along the leg.
 //!
-//! Knows shapes in the frame of a link and nothing of frames that should be: every result turns with the
+//! Works on shapes in the frame of a link, independent of the target frames: all results rotate with the
 //! shapes.
 
 use nalgebra::{Matrix3, Point2, Unit, Vector3};
@@ -8,18 +8,18 @@ use nalgebra::{Matrix3, Point2, Unit, Vector3};
 use super::super::feet::SOLE_DEPTH;
 use crate::robot::{Collision, Shape, Support};
 
-/// Corners that stand for the rim of a cylinder.
+/// Number of points that approximate the rim of a cylinder.
 const RIM: u32 = 64;
-/// Points of one plane are within this distance of it, in m.
+/// Distance tolerance in m of points in a plane.
 const PLANAR: f64 = 1e-5;
-/// Share of the area near the ground that lies in one plane when a sole is flat.
+/// Minimum share of the area near the ground in one plane for a flat sole.
 const FLAT: f64 = 0.6;
-/// Angle in rad within which a face of a shape is the facet that was found.
+/// Angle tolerance in rad between a face of a shape and the facet.
 const FACE: f64 = 1e-3;
-/// Steps after which the facet is taken as it is.
+/// Maximum number of steps of the search for the facet.
 const STEPS: usize = 500;
 
-/// A ball of a hull; a corner has the radius zero.
+/// A sphere of a hull; a corner has radius zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ball {
     /// In the link's frame, in m.
@@ -32,7 +32,7 @@ pub(super) struct Ball {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Piece {
     balls: Vec<Ball>,
-    /// Normals of the flat faces that are known exactly, with their areas in m^2.
+    /// Normals of exactly known flat faces, with their areas in m^2.
     faces: Vec<(Vector3<f64>, f64)>,
     /// Whether it is a mesh, whose points are rounded.
     mesh: bool,
@@ -43,7 +43,7 @@ pub(super) struct Piece {
 pub(super) struct Sole {
     /// Unit normal that points into the foot.
     pub normal: Vector3<f64>,
-    /// Whether most of what is near the ground lies in one plane.
+    /// Whether most of the area near the ground is in one plane.
     pub flat: bool,
     /// Whether a mesh is part of it.
     pub mesh: bool,
@@ -108,7 +108,7 @@ impl Piece {
         self.balls.iter().map(|ball| ball.centre).sum::<Vector3<f64>>() / self.balls.len().max(1) as f64
     }
 
-    /// How far it reaches along a direction, in m.
+    /// Its extent along a direction in m.
     fn reach(&self, direction: &Vector3<f64>) -> f64 {
         let reach = |ball: &Ball| ball.centre.dot(direction) + ball.radius;
         self.balls.iter().map(reach).fold(f64::NEG_INFINITY, f64::max)
@@ -120,15 +120,15 @@ pub(super) fn middle(pieces: &[Piece]) -> Option<Vector3<f64>> {
     (!pieces.is_empty()).then(|| pieces.iter().map(Piece::middle).sum::<Vector3<f64>>() / pieces.len() as f64)
 }
 
-/// The point of a foot's shapes that is furthest along a direction, in the link's frame.
+/// The furthest point of a foot's shapes along a direction, in the link's frame.
 pub(super) fn furthest(pieces: &[Piece], direction: &Vector3<f64>) -> Option<Vector3<f64>> {
     let balls = pieces.iter().flat_map(|piece| &piece.balls);
     let reach = |ball: &Ball| ball.centre.dot(direction) + ball.radius;
     balls.max_by(|a, b| reach(a).total_cmp(&reach(b))).map(|ball| ball.centre + direction * ball.radius)
 }
 
-/// The underside of a foot; `down` points roughly to the ground. `None` where its shapes span no plane, as
-/// one ball or one capsule.
+/// The underside of a foot; `down` points roughly to the ground. `None` if its shapes do not span a plane,
+/// for example one sphere or one capsule.
 pub(super) fn sole(pieces: &[Piece], down: &Unit<Vector3<f64>>) -> Option<Sole> {
     let balls: Vec<Ball> = pieces.iter().flat_map(|piece| piece.balls.iter().copied()).collect();
     let middle = middle(pieces)?;
@@ -146,7 +146,7 @@ pub(super) fn sole(pieces: &[Piece], down: &Unit<Vector3<f64>>) -> Option<Sole> 
     let lowest = pieces.iter().map(|piece| piece.reach(&outwards)).fold(f64::NEG_INFINITY, f64::max);
     let touching: Vec<&Piece> =
         pieces.iter().filter(|piece| lowest - piece.reach(&outwards) < SOLE_DEPTH).collect();
-    // A ball at the end of a shank touches the ground in a point, however the hull of both lies.
+    // A sphere at the end of a shank touches the ground in a point, regardless of the hull's facet.
     if touching.len() < 3 && stands_on_a_ball(pieces, down) {
         return None;
     }
@@ -155,7 +155,7 @@ pub(super) fn sole(pieces: &[Piece], down: &Unit<Vector3<f64>>) -> Option<Sole> 
     let same = faces.map(along).filter(|(normal, _)| (normal - outwards).norm() < FACE);
     let exact = same.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(normal, _)| normal);
     outwards = exact.unwrap_or(outwards);
-    // A cylinder that lies on its side is no polygon.
+    // A cylinder on its side has no flat face below.
     let round = touching.iter().any(|piece| {
         piece.balls.len() == 2 * RIM as usize
             && !piece.mesh
@@ -171,7 +171,7 @@ pub(super) fn sole(pieces: &[Piece], down: &Unit<Vector3<f64>>) -> Option<Sole> 
     })
 }
 
-/// Whether one ball alone reaches furthest down.
+/// Whether a single sphere reaches furthest down.
 fn stands_on_a_ball(pieces: &[Piece], down: &Unit<Vector3<f64>>) -> bool {
     let lowest = pieces.iter().map(|piece| piece.reach(down)).fold(f64::NEG_INFINITY, f64::max);
     let near: Vec<&Piece> = pieces.iter().filter(|piece| lowest - piece.reach(down) < SOLE_DEPTH).collect();
@@ -182,7 +182,7 @@ fn lowest_of(balls: &[Ball], outwards: &Vector3<f64>) -> f64 {
     balls.iter().map(|ball| ball.centre.dot(outwards) + ball.radius).fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Area in m^2 of the hull of the balls that reach beyond a height along a direction, seen along it.
+/// Area in m^2 of the hull of the spheres beyond a height along a direction, projected along it.
 fn area(balls: &[Ball], outwards: &Vector3<f64>, height: f64) -> f64 {
     let [u, v] = across(outwards);
     let near = balls.iter().filter(|ball| ball.centre.dot(outwards) + ball.radius > height);
@@ -198,21 +198,21 @@ pub(super) fn across(direction: &Vector3<f64>) -> [Vector3<f64>; 2] {
     [u, direction.cross(&u)]
 }
 
-/// The outward normal of the facet of a hull that the ray from the origin along `down` goes through; the
-/// origin is inside. `None` where the hull has no area seen along `down`.
+/// The outward normal of the facet of a hull hit by the ray from the origin along `down`; the origin is
+/// inside. `None` if the hull has no area seen along `down`.
 ///
-/// A triangle of points that holds the ray is exchanged point by point for one further out, as in portal
+/// Starts with a triangle around the ray and replaces its points by points further out, as in portal
 /// refinement.
 fn facet(points: &[Vector3<f64>], down: &Unit<Vector3<f64>>) -> Option<Vector3<f64>> {
     let [u, v] = across(down);
-    // x and y across the ray, the height along it.
+    // x and y perpendicular to the ray, z along it.
     let seen: Vec<Vector3<f64>> =
         points.iter().map(|point| Vector3::new(point.dot(&u), point.dot(&v), point.dot(down))).collect();
     let size = seen.iter().map(Vector3::norm).fold(0.0, f64::max);
     if size <= 0.0 {
         return None;
     }
-    // Around everything and far behind it: none of these stays when the hull has an area.
+    // Around everything and far behind it: none of these points remains if the hull has an area.
     let start = [(0.0, 10.0), (-9.0, -5.0), (9.0, -5.0)];
     let mut triangle = start.map(|(x, y)| Vector3::new(x * size, y * size, -1e3 * size));
     let mut plane = through(&triangle)?;
@@ -242,7 +242,8 @@ fn through(triangle: &[Vector3<f64>; 3]) -> Option<Vector3<f64>> {
     Matrix3::from_rows(&rows).lu().solve(&heights).filter(|plane| plane.iter().all(|entry| entry.is_finite()))
 }
 
-/// The smallest share of a corner in the origin, seen from above: not negative where the triangle holds it.
+/// The smallest barycentric coordinate of the origin, seen from above: not negative if the triangle contains
+/// it.
 fn holds(triangle: &[Vector3<f64>; 3]) -> Option<f64> {
     let cross = |a: &Vector3<f64>, b: &Vector3<f64>| a.x * b.y - a.y * b.x;
     let [a, b, c] = triangle;
@@ -285,7 +286,7 @@ mod tests {
             for _ in 0..20 {
                 let direction = Vector3::new(stream.normal(), stream.normal(), stream.normal());
                 let turn = UnitQuaternion::from_scaled_axis(direction);
-                // The leg leans a little.
+                // The leg is slightly inclined.
                 let down = Unit::new_normalize(turn * Vector3::new(0.2, -0.1, -1.0));
                 let sole = sole(&turned(shapes, &turn), &down).expect("it has a sole");
                 assert!((sole.normal - turn * Vector3::z()).norm() < 1e-12, "{:?}", sole.normal);

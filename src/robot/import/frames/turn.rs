@@ -1,16 +1,16 @@
-//! Frames as matrices whose columns are the axes, and what a new frame does to the figures of a body.
+//! Frames as matrices whose columns are the axes, and transforming the properties of a body.
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use crate::robot::Body;
 
-/// The frame with this z whose x is nearest to a direction; `None` where that is along z.
+/// The frame with this z and x nearest to a direction; `None` if both are parallel.
 pub(super) fn upright(z: &Vector3<f64>, forward: &Vector3<f64>) -> Option<Matrix3<f64>> {
     let x = (forward - z * forward.dot(z)).try_normalize(1e-6)?;
     Some(Matrix3::from_columns(&[x, z.cross(&x), *z]))
 }
 
-/// The right-handed frame nearest to another one whose axes are coordinate axes.
+/// The nearest right-handed frame whose axes are coordinate axes.
 pub(super) fn nearest_permutation(frame: &Matrix3<f64>) -> Matrix3<f64> {
     let axis = |index: usize| {
         let mut axis = Vector3::zeros();
@@ -19,7 +19,7 @@ pub(super) fn nearest_permutation(frame: &Matrix3<f64>) -> Matrix3<f64> {
     };
     let pairs = (0..6).flat_map(|x| (0..6).map(move |z| (x, z))).filter(|(x, z)| x / 2 != z / 2);
     let frames = pairs.map(|(x, z)| Matrix3::from_columns(&[axis(x), axis(z).cross(&axis(x)), axis(z)]));
-    // Of two that are as near the first one, which is the identity before all others.
+    // Of equally near ones the first; the identity comes first.
     let nearness = |candidate: &Matrix3<f64>| candidate.component_mul(frame).sum();
     frames.fold(
         Matrix3::identity(),
@@ -27,7 +27,7 @@ pub(super) fn nearest_permutation(frame: &Matrix3<f64>) -> Matrix3<f64> {
     )
 }
 
-/// The rotation that a frame is.
+/// A frame as a rotation.
 pub(super) fn rotation(frame: &Matrix3<f64>) -> UnitQuaternion<f64> {
     UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*frame))
 }
@@ -39,22 +39,22 @@ pub(super) fn apart(a: &Matrix3<f64>, b: &Matrix3<f64>) -> f64 {
     libm::atan2(sine, 0.5 * (turn.trace() - 1.0))
 }
 
-/// A rotation in words: `90.0 degrees about (1, 0, 0)`.
+/// A rotation as text: `90.0 degrees about (1, 0, 0)`.
 pub(super) fn in_words(turn: &UnitQuaternion<f64>) -> String {
     let degrees = turn.angle().to_degrees();
     let axis = turn.axis().map_or(Vector3::x(), |axis| axis.into_inner());
-    // Adding zero makes 0 of -0.
+    // Adding zero turns -0 into 0.
     let [x, y, z] = [axis.x, axis.y, axis.z].map(|part| (1e3 * part).round() / 1e3 + 0.0);
     format!("{degrees:.1} degrees about ({x}, {y}, {z})")
 }
 
-/// Writes a body's figures in a new frame, whose pose in the old one is given.
+/// Transforms a body to a new frame, given its pose in the old one.
 pub(super) fn express(body: &mut Body, frame: &Isometry3<f64>) {
     let back = frame.inverse();
     let turn = back.rotation.to_rotation_matrix().into_inner();
     body.com = back * body.com;
     let inertia = turn * body.inertia * turn.transpose();
-    // Symmetric to the bit.
+    // Exactly symmetric.
     body.inertia = 0.5 * (inertia + inertia.transpose());
     for collision in &mut body.collisions {
         collision.pose = back * collision.pose;

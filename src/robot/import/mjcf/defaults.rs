@@ -1,11 +1,11 @@
-//! `<default>`: the attributes that elements of a class have without writing them.
+//! `<default>`: attributes that elements inherit from their class.
 
 use std::collections::BTreeMap;
 
 use super::super::intake::{Intake, value};
 use super::super::xml::{self, Attribute, Element};
 
-/// The elements that move joints; MuJoCo keeps one set of defaults for all of them.
+/// Actuator elements; MuJoCo has one set of defaults for all of them.
 const ACTUATORS: &[&str] = &[
     "general",
     "motor",
@@ -22,7 +22,7 @@ const ACTUATORS: &[&str] = &[
     "plugin",
 ];
 
-/// Attributes that actuators of different kinds share.
+/// Attributes common to several kinds of actuators.
 const SHARED: &[&str] = &[
     "gear",
     "ctrlrange",
@@ -37,23 +37,23 @@ const SHARED: &[&str] = &[
     "delay",
 ];
 
-/// Attributes of which an element has one: the last that is given counts.
+/// Mutually exclusive attributes: the last one given counts.
 const EITHER: [&[&str]; 2] = [&["axisangle", "euler", "xyaxes", "zaxis"], &["kv", "dampratio"]];
 
 /// Other elements whose defaults are read.
 const OTHERS: &[&str] = &["joint", "geom", "mesh"];
 
-/// Most classes, and most letters of a value in one: what a class holds is copied into every element of it.
+/// Maximum number of classes, and maximum length of a value in one: classes are copied into every element.
 const MOST_CLASSES: usize = 200;
 const LONGEST_VALUE: usize = 400;
 
-/// Attributes that are not read, and may be long.
+/// Attributes that are ignored, and may be long.
 const IGNORED: &[&str] = &["user", "name", "class"];
 
-/// Attributes by the element that they are meant for.
+/// Attributes by the element that they apply to.
 type Class = BTreeMap<String, Vec<Attribute>>;
 
-/// The classes of a file, each with what it inherits.
+/// The classes of a file, each including what it inherits.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Defaults {
     classes: BTreeMap<String, Class>,
@@ -103,8 +103,8 @@ impl Defaults {
         }
     }
 
-    /// An element with the attributes of its class: its own `class`, that of the body around it, or the
-    /// outermost. A class that is not there is told.
+    /// An element with the attributes of its class: its own `class`, that of the enclosing body, or the
+    /// outermost. An unknown class is reported.
     pub fn complete(&self, element: &Element, around: Option<&str>, intake: &mut Intake) -> Element {
         let found = self.completed(element, around);
         found.unwrap_or_else(|name| {
@@ -119,7 +119,7 @@ impl Defaults {
         })
     }
 
-    /// The same, or the name of the class that is not there.
+    /// The same, or the name of the unknown class.
     pub fn completed<'a>(
         &'a self,
         element: &'a Element,
@@ -137,7 +137,7 @@ impl Defaults {
     }
 }
 
-/// The attributes of a default; one that is too long is told.
+/// The attributes of a default; overlong ones are reported.
 fn read(element: &Element, intake: &mut Intake) -> Vec<Attribute> {
     let named = element.attributes.iter().filter(|attribute| !IGNORED.contains(&attribute.name.as_str()));
     let mut attributes = Vec::new();
@@ -153,7 +153,7 @@ fn read(element: &Element, intake: &mut Intake) -> Vec<Attribute> {
     attributes
 }
 
-/// Puts attributes over others: a name that is there gets the new value.
+/// Overrides attributes with others of the same name.
 fn overlay(below: &mut Vec<Attribute>, above: &[Attribute]) {
     for attribute in above {
         for group in EITHER.iter().filter(|group| group.contains(&attribute.name.as_str())) {

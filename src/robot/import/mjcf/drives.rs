@@ -1,4 +1,4 @@
-//! `<actuator>`, `<keyframe>` and `<custom>`: what a file says of the drives of joints.
+//! `<actuator>`, `<keyframe>` and `<custom>`: the drives of joints.
 
 use std::collections::BTreeMap;
 
@@ -15,9 +15,9 @@ use crate::diag::Span;
 #[derive(Debug, Default)]
 pub(super) struct Drives {
     actuators: BTreeMap<String, Vec<Actuator>>,
-    /// The key frame that gives the default pose.
+    /// The key frame for the default pose.
     key: Option<Key>,
-    /// Names of the others.
+    /// Names of the other key frames.
     other_keys: Vec<String>,
     numbers: BTreeMap<String, f64>,
 }
@@ -29,18 +29,18 @@ struct Key {
     /// Generalized positions.
     positions: Vec<f64>,
     span: Span,
-    /// Where the positions stand.
+    /// Place of the positions.
     place: Span,
 }
 
-/// An actuator as it acts on its joint.
+/// The effect of an actuator on its joint.
 #[derive(Clone, Copy, Debug, Default)]
 struct Actuator {
-    /// Largest torque in N m.
+    /// Maximum torque in N m.
     effort: Option<f64>,
     /// Inertia in kg m^2 that it adds to the joint's.
     armature: f64,
-    /// Damping in N m s/rad that it adds to the joint's own, whatever is commanded.
+    /// Additional passive damping in N m s/rad.
     passive: f64,
     servo: Servo,
 }
@@ -52,16 +52,16 @@ struct Servo {
     stiffness: Option<f64>,
     /// Derivative gain in N m s/rad.
     damping: Option<f64>,
-    /// Damping ratio in the place of a derivative gain.
+    /// Damping ratio instead of a derivative gain.
     ratio: Option<f64>,
 }
 
-/// What a servo with a damping ratio leaves open until the masses that it moves are known.
+/// A servo with a damping ratio, whose gain depends on masses not yet known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ratio {
     /// Proportional gain in N m/rad.
     pub stiffness: f64,
-    /// Damping as a share of the critical one.
+    /// Damping relative to critical damping.
     pub ratio: f64,
 }
 
@@ -78,7 +78,7 @@ impl Drives {
         }
         drives.take_key(root, intake);
         for number in root.all("custom").flat_map(|custom| custom.all("numeric")) {
-            // Other programs' numbers may be lists; a figure of a joint is one number.
+            // Numbers of other programs may be lists; a joint parameter is one number.
             if let (Some(name), Some(&[value])) =
                 (number.text("name"), intake.numbers(number, "data").as_deref())
             {
@@ -88,7 +88,7 @@ impl Drives {
         drives
     }
 
-    /// Takes the key frame that is asked for, or else the first one with positions.
+    /// Selects the key frame requested, otherwise the first one with positions.
     fn take_key(&mut self, root: &Element, intake: &mut Intake) {
         let mut keys = Vec::new();
         for (index, key) in root.all("keyframe").flat_map(|frames| frames.all("key")).enumerate() {
@@ -114,12 +114,12 @@ impl Drives {
         }
     }
 
-    /// The names of the key frame that gives the default pose, and of the others.
+    /// The names of the key frame for the default pose, and of the others.
     pub fn keys(&self) -> Option<(&str, &[String])> {
         self.key.as_ref().map(|key| (key.name.as_str(), self.other_keys.as_slice()))
     }
 
-    /// Tells a key frame that does not have as many positions as the file.
+    /// Reports a key frame whose number of positions differs from the file's.
     pub fn measure(&self, positions: usize, intake: &mut Intake) {
         let Some(key) = self.key.as_ref().filter(|key| key.positions.len() != positions) else { return };
         let message = format!(
@@ -134,7 +134,7 @@ impl Drives {
         ));
     }
 
-    /// The orientation in the key frame of a floating base whose positions begin at an address.
+    /// The orientation in the key frame of a floating base whose positions start at `address`.
     pub fn attitude(&self, address: usize, intake: &mut Intake) -> Option<UnitQuaternion<f64>> {
         let key = self.key.as_ref()?;
         let &[w, x, y, z] = key.positions.get(address + 3..address + 7)? else { return None };
@@ -149,8 +149,8 @@ impl Drives {
         attitude
     }
 
-    /// Writes what drives a joint into it; `address` is its place in the positions of a key frame, `own` the
-    /// limits that the joint itself sets on its torque. Returns the servos whose damping is a ratio.
+    /// Adds the drives of a joint to it; `address` is its index in the positions of a key frame, `own` the
+    /// joint's own torque limits. Returns the servos with a damping ratio.
     pub fn equip(
         &self,
         hinge: &mut Hinge,
@@ -172,7 +172,7 @@ impl Drives {
             }
         };
         hinge.passive = actuators.is_empty() && !self.actuators.is_empty();
-        // A motor with a gear or a gain of zero drives nothing: its limit stands for one that is not known.
+        // A motor with zero gear or gain has no effect: its limit counts as unknown.
         hinge.zeros.extend(actuators.iter().any(|actuator| actuator.effort == Some(0.0)).then_some("effort"));
         hinge.effort_limit =
             [effort, own].into_iter().flatten().filter(|effort| *effort > 0.0).reduce(f64::min);
@@ -200,7 +200,7 @@ impl Drives {
     }
 }
 
-/// The smaller bound of a range that limits, or `None`.
+/// The smaller bound of an active limit, or `None`.
 pub(super) fn bound(
     range: &str,
     limited: &str,
@@ -218,7 +218,7 @@ pub(super) fn bound(
     (bound > 0.0).then_some(bound)
 }
 
-/// A range that limits.
+/// A range, if its limit is active.
 pub(super) fn limits(
     range: &str,
     limited: &str,
@@ -242,7 +242,7 @@ fn actuator(element: &Element, settings: &Settings, intake: &mut Intake) -> Actu
         intake.note(format!("<{}>: of its damping only the linear part is taken", element.name));
     }
     let law = law(element, intake);
-    // A servo's controls are positions or speeds, and bound no torque.
+    // A servo's control is a position or speed, whose range does not limit torque.
     let commanded = law
         .gain
         .and_then(|gain| Some(bound("ctrlrange", "ctrllimited", (element, settings), intake)? * gain.abs()));
@@ -261,12 +261,12 @@ fn actuator(element: &Element, settings: &Settings, intake: &mut Intake) -> Actu
     }
 }
 
-/// How an actuator makes its force.
+/// How an actuator computes its force.
 #[derive(Clone, Copy, Debug, Default)]
 struct Law {
-    /// Force by control, of a motor.
+    /// Force per control of a motor.
     gain: Option<f64>,
-    /// Gains before the gear.
+    /// Servo gains before the gear.
     servo: Servo,
 }
 
@@ -296,8 +296,8 @@ fn law(element: &Element, intake: &mut Intake) -> Law {
     }
 }
 
-/// The law of an actuator that is written out: `gainprm` times the control plus, where it is affine,
-/// `biasprm` times 1, position and speed.
+/// The force law of a `general` actuator: `gainprm` times the control plus, if affine, `biasprm` times (1,
+/// position, speed).
 fn general(element: &Element, intake: &mut Intake) -> Law {
     let is = |key: &str, kind: &str| element.text(key).is_none_or(|word| word == kind);
     let mut prm = |key: &str| intake.numbers(element, key).unwrap_or_default();
@@ -311,14 +311,14 @@ fn general(element: &Element, intake: &mut Intake) -> Law {
     }
     let coefficient = |at: usize| bias.get(at).copied().unwrap_or(0.0);
     let (stiffness, damping) = (-coefficient(1), -coefficient(2));
-    // MuJoCo takes a positive third number of a position servo for a damping ratio.
+    // MuJoCo interprets a positive third number of a position servo as a damping ratio.
     let ratio = (damping < 0.0 && stiffness == gain).then_some(-damping);
     let servo = Servo {
         stiffness: (stiffness != 0.0).then_some(stiffness),
         damping: ratio.is_none().then_some(damping),
         ratio,
     };
-    // With damping alone it is a servo of the speed, or a motor that brakes.
+    // With damping alone it is a velocity servo, or a motor with passive damping.
     let is_motor = stiffness == 0.0 && damping != gain && is("dyntype", "none");
     Law { gain: is_motor.then_some(gain), servo }
 }

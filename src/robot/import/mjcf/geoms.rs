@@ -1,4 +1,4 @@
-//! `<geom>`: collision shapes, and the masses of bodies that have no `<inertial>`.
+//! `<geom>`: collision shapes, and the masses of bodies without `<inertial>`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
@@ -15,17 +15,17 @@ use super::settings::{Settings, upright};
 use crate::robot::checks::positive;
 use crate::robot::{Body, Collision, Shape};
 
-/// Density of a geom in kg/m^3 that says nothing else.
+/// Default density of a geom in kg/m^3.
 const DENSITY: f64 = 1000.0;
 
-/// The meshes of a file by their names.
+/// The meshes of a file by name.
 #[derive(Debug, Default)]
 pub(super) struct Meshes {
     assets: BTreeMap<String, Element>,
 }
 
 impl Meshes {
-    /// The meshes of a file; one without a name is called as its file.
+    /// The meshes of a file; one without a name is named after its file.
     pub fn read(root: &Element, defaults: &Defaults, intake: &mut Intake) -> Self {
         let mut assets = BTreeMap::new();
         for mesh in root.all("asset").flat_map(|asset| asset.all("mesh")) {
@@ -43,32 +43,32 @@ impl Meshes {
     }
 }
 
-/// What geoms mean in a file.
+/// Context for reading geoms.
 #[derive(Debug)]
 pub(super) struct Geoms<'a> {
-    /// How numbers are meant.
+    /// How numbers are interpreted.
     pub settings: &'a Settings,
     /// The meshes.
     pub meshes: Meshes,
-    /// Names of geoms that a contact pair lets touch, whatever their masks are.
+    /// Names of geoms that collide through a contact pair, regardless of their masks.
     pub paired: BTreeSet<String>,
 }
 
-/// A geom with every attribute of its class, as a volume.
+/// The volume of a geom, given all attributes of its class.
 enum Volume {
-    /// A shape that a robot file has.
+    /// A shape supported by robot files.
     Shape(Shape),
     /// Half axes of an ellipsoid in m.
     Ellipsoid(Vector3<f64>),
-    /// A mesh or another thing without a closed form.
+    /// A mesh or another volume without a closed form.
     Other,
 }
 
 impl Geoms<'_> {
-    /// The collision shape of a geom; `None` for one that touches nothing, or with a note.
+    /// The collision shape of a geom; `None` if it does not collide, or with a remark.
     pub fn collision(&self, body: &str, geom: &Element, intake: &mut Intake) -> Option<Collision> {
         for key in ["contype", "conaffinity"] {
-            // A mask that is no number is told here.
+            // Reports a mask that is not a number.
             intake.number(geom, key);
         }
         if !self.collides(geom) {
@@ -92,7 +92,7 @@ impl Geoms<'_> {
             intake.tell(error.help("sizes are positive half lengths and radii in m"));
             return None;
         }
-        // MuJoCo's own value is 1, as a spec's.
+        // 1 is the default of MuJoCo and of specs.
         if let Some([sliding, ..]) = intake.numbers(geom, "friction").as_deref()
             && *sliding != 1.0
         {
@@ -105,7 +105,7 @@ impl Geoms<'_> {
         Some(collision)
     }
 
-    /// Whether a geom touches anything, by its masks or in a contact pair.
+    /// Whether a geom collides, by its masks or in a contact pair.
     pub fn collides(&self, geom: &Element) -> bool {
         masked(geom) || geom.text("name").is_some_and(|name| self.paired.contains(name))
     }
@@ -176,8 +176,7 @@ impl Geoms<'_> {
         Some((volume, pose))
     }
 
-    /// Mass, centre of mass and inertia of a body from its geoms, in place; what cannot be told in closed
-    /// form is not.
+    /// Sets mass, centre of mass and inertia of a body from its geoms; unknown if they have no closed form.
     pub fn weigh(&self, body: &mut Body, geoms: &[(Element, Isometry3<f64>)], intake: &mut Intake) -> Weight {
         let mut whole = massless(&body.name);
         let [first, last] = self.settings.groups;
@@ -211,13 +210,13 @@ impl Geoms<'_> {
     }
 }
 
-/// Whether a geom touches others by its masks.
+/// Whether a geom collides by its masks.
 pub(super) fn masked(geom: &Element) -> bool {
     let is_zero = |key: &str| geom.text(key).is_some_and(|mask| mask.trim().parse() == Ok(0.0));
     !(is_zero("contype") && is_zero("conaffinity"))
 }
 
-/// Volume in m^3 and principal moments per mass in m^2 of a solid of even density.
+/// Volume in m^3, and principal moments per mass in m^2, of a solid of uniform density.
 fn moments(volume: &Volume) -> Option<(f64, Vector3<f64>)> {
     let square = |length: f64| length * length;
     Some(match volume {
@@ -241,7 +240,7 @@ fn moments(volume: &Volume) -> Option<(f64, Vector3<f64>)> {
             let (length, r) = (2.0 * half, *radius);
             let (tube, ball) = (PI * r * r * length, 4.0 / 3.0 * PI * r * r * r);
             let tube_across = (3.0 * r * r + length * length) / 12.0;
-            // The two half balls at the ends, by Steiner's theorem.
+            // The two hemispheres at the ends, by the parallel axis theorem.
             let ball_across = 0.4 * r * r + 0.25 * length * length + 0.375 * length * r;
             let across = tube * tube_across + ball * ball_across;
             let along = tube * 0.5 * r * r + ball * 0.4 * r * r;

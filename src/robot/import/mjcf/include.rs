@@ -1,4 +1,4 @@
-//! `<include>`: the elements of another file in the place of the element that names it.
+//! `<include>`: is replaced by the elements of another file.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -8,14 +8,14 @@ use super::super::intake::Intake;
 use super::super::xml::Element;
 use crate::diag::Diagnostic;
 
-/// A description with everything that it includes. MuJoCo takes a file once only, so a circle cannot arise.
+/// A description with everything it includes. MuJoCo allows each file only once, so there are no cycles.
 pub(super) fn expanded(root: Element, from: &Path, intake: &mut Intake) -> Element {
     let mut inclusion = Inclusion { from, seen: BTreeSet::new() };
     inclusion.expand(root, intake)
 }
 
 struct Inclusion<'a> {
-    /// The folder of the outermost file, from which all names count.
+    /// The folder of the top-level file, to which all names are relative.
     from: &'a Path,
     seen: BTreeSet<PathBuf>,
 }

@@ -1,8 +1,8 @@
-//! The inertia that a joint feels where the file has the robot, for what MuJoCo computes from it when it
-//! compiles a file: springs and dampers given by a time constant, and servos whose damping is a ratio.
+//! The inertia at a joint in the file's initial pose, for what MuJoCo derives from it when compiling: springs
+//! and dampers given by a time constant, and servos with a damping ratio.
 //!
-//! It is that of MuJoCo's `dof_invweight0`: one over the diagonal of the inverse of the mass matrix, so
-//! everything that the joint does not move may give way.
+//! It is the inverse of MuJoCo's `dof_invweight0`, the diagonal of the inverse mass matrix, so all other
+//! degrees of freedom are free to move.
 
 use std::collections::BTreeMap;
 
@@ -14,20 +14,20 @@ use super::super::tree::{Tree, Weight};
 use super::drives::Ratio;
 use crate::robot::kinematics::rotation_about;
 
-/// What a joint leaves open until the masses are known.
+/// Properties of a joint that depend on the masses.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Open {
-    /// Its position in rad, or in m, where the file has the robot.
+    /// Its position in rad, or in m, in the file's pose.
     pub reference: f64,
     /// Time constant in s and damping ratio of its spring.
     pub spring: Option<[f64; 2]>,
-    /// Damping in N m s/rad that its drives add.
+    /// Passive damping of its drives in N m s/rad.
     pub passive: f64,
-    /// Its servos whose damping is a ratio.
+    /// Its servos with a damping ratio.
     pub servos: Vec<Ratio>,
 }
 
-/// Fills in what the joints of a tree left open, by name; its base is free to move or is not.
+/// Sets the properties of joints that depend on the masses, by name; `floats` if the base is free to move.
 pub(super) fn settle(tree: &mut Tree, floats: bool, open: &BTreeMap<String, Open>, intake: &mut Intake) {
     let wanted = |open: &Open| open.spring.is_some() || !open.servos.is_empty();
     let joints: Vec<(usize, &Open)> = tree
@@ -85,7 +85,7 @@ pub(super) fn settle(tree: &mut Tree, floats: bool, open: &BTreeMap<String, Open
     }
 }
 
-/// Poses of all bodies in the base's frame, every joint where the file has it.
+/// Poses of all bodies in the base's frame, in the file's initial pose.
 fn poses(tree: &Tree, open: &BTreeMap<String, Open>) -> Vec<Isometry3<f64>> {
     let mut poses: Vec<Isometry3<f64>> = Vec::with_capacity(tree.parts.len());
     for part in &tree.parts {
@@ -103,8 +103,8 @@ fn poses(tree: &Tree, open: &BTreeMap<String, Open>) -> Vec<Isometry3<f64>> {
     poses
 }
 
-/// One way in which a joint lets everything on it move: turning about an axis through a point, or along a
-/// direction.
+/// A degree of freedom that moves everything on a joint: rotation about an axis through a point, or
+/// translation.
 struct Freedom {
     /// The body of the tree that it moves.
     body: usize,
@@ -121,7 +121,7 @@ impl Freedom {
     }
 }
 
-/// The freedoms of a tree, parents before children.
+/// The degrees of freedom of a tree, parents before children.
 fn freedoms(tree: &Tree, poses: &[Isometry3<f64>], floats: bool) -> Vec<Freedom> {
     let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
     let none = Vector3::zeros();
@@ -147,7 +147,7 @@ fn freedoms(tree: &Tree, poses: &[Isometry3<f64>], floats: bool) -> Vec<Freedom>
     all
 }
 
-/// The inertia in kg m^2 that every turning joint feels, by its body; `None` where a mass is not known.
+/// The inertia in kg m^2 at every revolute joint, by its body; `None` if a mass is unknown.
 fn inertias(tree: &Tree, floats: bool, open: &BTreeMap<String, Open>) -> Option<BTreeMap<usize, f64>> {
     if tree.parts.iter().any(|part| part.weight == Weight::Unknown) {
         return None;

@@ -1,4 +1,4 @@
-//! What an MJCF file says that its robot file does not.
+//! What the import of an MJCF file drops.
 
 use std::collections::BTreeSet;
 
@@ -31,7 +31,7 @@ pub(super) fn lines(root: &Element, base: &Element, defaults: &Defaults, geoms: 
     lines
 }
 
-/// Names of geoms that a contact pair lets touch, whatever their masks are.
+/// Names of geoms that collide through a contact pair, regardless of their masks.
 pub(super) fn paired(root: &Element) -> BTreeSet<String> {
     let pairs = root.all("contact").flat_map(|contact| contact.all("pair"));
     pairs
@@ -39,7 +39,7 @@ pub(super) fn paired(root: &Element) -> BTreeSet<String> {
         .collect()
 }
 
-/// What surrounds an element: the class of its body, and the nearest name.
+/// The context of an element: the class of its body, and the nearest name.
 #[derive(Clone, Copy, Debug, Default)]
 struct Around<'a> {
     class: Option<&'a str>,
@@ -51,12 +51,12 @@ struct Count<'a> {
     base: &'a Element,
     defaults: &'a Defaults,
     geoms: &'a Geoms<'a>,
-    /// Geoms that touch in contact pairs alone.
+    /// Geoms that collide only in contact pairs.
     paired: Vec<String>,
 }
 
 impl Count<'_> {
-    /// What stands in the world: of its bodies the robot's base is looked into.
+    /// The world's contents; of its bodies only the robot's base is searched.
     fn world(&mut self, world: &Element, around: Around) {
         for element in &world.children {
             let name = element.text("name").unwrap_or_default();
@@ -66,7 +66,7 @@ impl Count<'_> {
                     let class = element.text("childclass").or(around.class);
                     self.world(element, Around { class, ..around });
                 }
-                // The floor that comes with most robots is a plane.
+                // The floor that most robot files include is a plane.
                 "geom" if element.text("type") == Some("plane") => {}
                 "body" | "geom" => self.census.count(Group::World, format!("<{}>", element.name), name),
                 other => self.element(element, &path("body", other), around),
@@ -74,7 +74,7 @@ impl Count<'_> {
         }
     }
 
-    /// A default class: what its elements say counts where they are used, but for what MuJoCo does not know.
+    /// A default class: its attributes count where they are used, except those unknown to MuJoCo.
     fn class(&mut self, class: &Element, above: &str) {
         self.census.unknown(above, class, "");
         let name = class.text("class").unwrap_or("main");
@@ -89,7 +89,7 @@ impl Count<'_> {
         }
     }
 
-    /// An element with the attributes of its class, and what is in it.
+    /// An element with the attributes of its class, and its contents.
     fn element(&mut self, element: &Element, place: &str, around: Around) {
         let owner = element.text("name").unwrap_or(around.owner);
         let complete = self.defaults.completed(element, around.class).unwrap_or_else(|_| element.clone());
@@ -98,7 +98,7 @@ impl Count<'_> {
         if place == "body/geom" && !is_idle && !masked(&complete) {
             self.paired.push(owner.to_owned());
         }
-        // What a class has for several kinds of elements is not unknown in one that lacks it.
+        // An attribute of a class for several kinds of elements is not unknown in one without it.
         let ignored =
             if is_idle { &[Group::Unknown, Group::Masks, Group::Solver][..] } else { &[Group::Unknown] };
         if is_free {

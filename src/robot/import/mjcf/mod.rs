@@ -1,7 +1,6 @@
 //! MJCF: bodies with their inertials, hinges, geoms, actuators and a key frame.
 //!
-//! Includes are put in place, defaults are completed and angles are turned into rad before anything else
-//! reads them.
+//! Includes are expanded, defaults completed and angles converted to rad before anything else reads them.
 
 mod defaults;
 mod drives;
@@ -31,7 +30,7 @@ use geoms::{Geoms, Meshes};
 use inertia::Open;
 use settings::{FromGeoms, Settings};
 
-/// Elements that stand for bodies which are not in the file.
+/// Elements that generate bodies which are not in the file.
 const MACROS: &[&str] = &["replicate", "composite", "flexcomp", "attach"];
 
 /// The tree of an MJCF file.
@@ -73,7 +72,7 @@ pub(super) fn tree(root: Element, from: &Path, intake: &mut Intake) -> Option<Tr
         walk.number(body, &mut next, &mut addresses);
     }
     drives.measure(next, walk.intake);
-    // Its pose in the world is that of a key frame and no figure of the robot, but tells where up is.
+    // Its pose in the world is part of a key frame, not of the robot, but tells where up is.
     let stands = settings.pose(bodies[base].element, walk.intake);
     tree.upright = (bodies[base].around.frame * stands).rotation;
     walk.body(&bodies[base], None, (&addresses, &mut tree));
@@ -90,7 +89,7 @@ pub(super) fn tree(root: Element, from: &Path, intake: &mut Intake) -> Option<Tr
     Some(tree)
 }
 
-/// What surrounds an element: the class of its body and the pose of its frame in that body.
+/// The context of an element: the class of its body and the pose of its frame in that body.
 #[derive(Clone, Copy, Debug)]
 struct Around<'a> {
     class: Option<&'a str>,
@@ -103,7 +102,7 @@ impl Default for Around<'_> {
     }
 }
 
-/// An element of a body with what surrounds it.
+/// An element of a body with its context.
 #[derive(Clone, Copy, Debug)]
 struct Inside<'a> {
     element: &'a Element,
@@ -115,9 +114,9 @@ struct Walk<'a, 'b, 'c> {
     defaults: &'a Defaults,
     drives: &'a Drives,
     geoms: &'a Geoms<'a>,
-    /// What joints leave open until the masses are known, by their names.
+    /// Properties of joints that depend on the masses, by name.
     open: BTreeMap<String, Open>,
-    /// Whether the base moves in the file.
+    /// Whether the base is free to move in the file.
     floats: bool,
     /// Whether it has a free joint.
     is_free: bool,
@@ -127,7 +126,7 @@ struct Walk<'a, 'b, 'c> {
 }
 
 impl Walk<'_, '_, '_> {
-    /// The elements of a body, those in its frames too.
+    /// The elements of a body, including those in its frames.
     fn contents<'e>(&mut self, body: &'e Element, around: Around<'e>) -> Vec<Inside<'e>> {
         let mut contents = Vec::new();
         for element in &body.children {
@@ -153,7 +152,7 @@ impl Walk<'_, '_, '_> {
         self.contents(body.element, Around { class, frame: Isometry3::identity() })
     }
 
-    /// The joints of a body with every attribute of their class, and the places of its free joints.
+    /// The joints of a body with all attributes of their class, and the places of its free joints.
     fn joints(&mut self, inside: &[Inside]) -> (Vec<(Element, Isometry3<f64>)>, Vec<Span>) {
         let mut free = Vec::new();
         let mut joints = Vec::new();
@@ -174,7 +173,7 @@ impl Walk<'_, '_, '_> {
         (joints, free)
     }
 
-    /// Tells free joints where MuJoCo has none: below the base, and beside other joints.
+    /// Reports free joints that MuJoCo does not allow: below the base, or next to other joints.
     fn refuse_free(&mut self, name: &str, free: &[Span], others: usize, is_base: bool) {
         let (message, place) = match free {
             [] => return,
@@ -202,7 +201,7 @@ impl Walk<'_, '_, '_> {
             }
         }
         if floating.is_empty() {
-            // Things that stand around have no joints below them.
+            // Objects in the environment have no joints below them.
             floating.extend((0..bodies.len()).filter(|index| carries_joints(bodies[*index].element)));
             floating = if floating.len() == 1 { floating } else { Vec::new() };
         }
@@ -228,7 +227,7 @@ impl Walk<'_, '_, '_> {
         None
     }
 
-    /// Numbers the positions of a key frame: the address of every named joint, in the order of the file.
+    /// Assigns positions of a key frame: the index of every named joint, in the order of the file.
     fn number(&mut self, body: &Inside, next: &mut usize, addresses: &mut BTreeMap<String, usize>) {
         let inside = self.inside(body);
         for Inside { element, around } in &inside {
@@ -251,7 +250,7 @@ impl Walk<'_, '_, '_> {
         }
     }
 
-    /// Adds a body and everything that hangs on it.
+    /// Adds a body and its subtree.
     fn body(
         &mut self,
         body: &Inside,
@@ -275,7 +274,7 @@ impl Walk<'_, '_, '_> {
         let (joints, free) = self.joints(&inside);
         self.refuse_free(&name, &free, joints.len(), parent.is_none());
         let floats = !free.is_empty();
-        // The pose of the base in the world is that of a key frame, not of the robot.
+        // The pose of the base in the world is part of a key frame, not of the robot.
         let mut pose = match parent {
             Some(_) => body.around.frame * self.settings.pose(element, self.intake),
             None => Isometry3::identity(),
@@ -300,7 +299,7 @@ impl Walk<'_, '_, '_> {
             }
         } else {
             for (number, (joint, frame)) in joints.iter().enumerate() {
-                // What has no name is called after its body.
+                // Unnamed joints are named after their body.
                 let own = if number == 0 {
                     format!("{name}_joint")
                 } else {
@@ -310,7 +309,7 @@ impl Walk<'_, '_, '_> {
                 hinge.anchor = (frame * Point3::from(hinge.anchor)).coords;
                 hinge.axis = hinge.axis.map(|axis| frame.rotation * axis);
                 if let Some((hinge, pose)) = last.replace(self.at_zero(joint, hinge, pose)) {
-                    // Several joints of one body are a chain of frames without mass.
+                    // Several joints of one body become a chain of massless frames.
                     let chained = format!("{name}_{}", hinge.name);
                     tree.parts.push(Part {
                         parent,
@@ -335,7 +334,7 @@ impl Walk<'_, '_, '_> {
         }
     }
 
-    /// The pose of a body when its joint is at zero; the file has it at the joint's `ref`.
+    /// The pose of a body with its joint at zero; the file gives it at the joint's `ref`.
     fn at_zero(&mut self, joint: &Element, hinge: Hinge, pose: Isometry3<f64>) -> (Hinge, Isometry3<f64>) {
         let reference = self.intake.number(joint, "ref").unwrap_or(0.0);
         let Some(axis) = hinge.axis.filter(|_| reference != 0.0) else { return (hinge, pose) };
@@ -352,7 +351,7 @@ impl Walk<'_, '_, '_> {
         (hinge, pose * back)
     }
 
-    /// A body with its mass, centre of mass, inertia and shapes, and where they stand.
+    /// A body with its mass, centre of mass, inertia and shapes, and their places.
     fn figures(&mut self, name: &str, element: &Element, inside: &[Inside]) -> Part {
         let mut body = massless(name);
         let mut shapes = Shapes::default();
@@ -376,7 +375,7 @@ impl Walk<'_, '_, '_> {
             }
             _ => Weight::Absent,
         };
-        // Geoms without mass leave the inertial alone, even where masses come from geoms.
+        // Massless geoms do not replace the inertial, even if masses come from geoms.
         if let (Weight::Absent, Some(inertial)) = (weight, inertial) {
             weight = self.inertial(inertial, &mut body);
         }
@@ -450,7 +449,7 @@ impl Walk<'_, '_, '_> {
             .map(|given| given.map(|end| angle * end));
         let own = drives::bound("actuatorfrcrange", "actuatorfrclimited", (joint, settings), intake);
         let mut zero = |key: &str| {
-            // Newer files may give a polynomial in the speed, of which a robot file has the first number.
+            // Newer files may have a polynomial in the speed; a robot file only uses its first coefficient.
             let numbers = intake.numbers(joint, key).unwrap_or_default();
             if numbers.iter().skip(1).any(|number| *number != 0.0) {
                 intake.note(format!("joint `{name}`: of its {key} only the linear part is taken"));
@@ -480,7 +479,7 @@ impl Walk<'_, '_, '_> {
             hinge.rest = intake.number(joint, "springref").map(|rest| angle * rest);
         }
         let passive = hinge.damping.unwrap_or(0.0) - before;
-        // A spring with a time constant or a ratio of zero is none.
+        // A time constant or ratio of zero means no spring.
         let spring = intake
             .vector(joint, "springdamper")
             .filter(|spring: &[f64; 2]| spring.iter().all(|part| *part > 0.0));
@@ -489,8 +488,8 @@ impl Walk<'_, '_, '_> {
     }
 }
 
-/// Share of its mass and inertia that a body gives each frame between its joints: a body of a robot has some
-/// of both, and the whole stays what it is.
+/// Share of a body's mass and inertia that each frame between its joints gets: bodies of a robot need some of
+/// both, and the total is unchanged.
 const BETWEEN: f64 = 1e-6;
 
 /// Gives the frames between the joints of a body their share of it.
@@ -533,7 +532,7 @@ fn names_are_unique(tree: &Tree, intake: &mut Intake) {
     }
 }
 
-/// Scales all masses to the total that the file asks for.
+/// Scales all masses to the total that the file specifies.
 fn scale(tree: &mut Tree, settings: &Settings, intake: &mut Intake) {
     if settings.total_mass <= 0.0 {
         return;
@@ -549,7 +548,7 @@ fn scale(tree: &mut Tree, settings: &Settings, intake: &mut Intake) {
     }
 }
 
-/// Whether a body of a body has a joint.
+/// Whether a body has a joint below it.
 fn carries_joints(body: &Element) -> bool {
     let below = |inner: &Element| {
         inner.children.iter().any(|element| element.name == "joint") || carries_joints(inner)
@@ -557,7 +556,8 @@ fn carries_joints(body: &Element) -> bool {
     body.children.iter().any(|inner| matches!(inner.name.as_str(), "body" | "frame") && below(inner))
 }
 
-/// Raises principal moments to a bound and, where asked for, makes an impossible inertia that of a sphere.
+/// Raises principal moments to a minimum and, if requested, replaces an impossible inertia by that of a
+/// sphere.
 fn bounded(body: &mut Body, least: f64, balance: bool) {
     let mut own = body.inertia.symmetric_eigen();
     own.eigenvalues.apply(|moment| *moment = moment.max(least));
@@ -575,7 +575,7 @@ fn bounded(body: &mut Body, least: f64, balance: bool) {
     }
 }
 
-/// What was taken from elsewhere, and what became of bodies with several joints.
+/// Remarks on values from other elements, and on bodies with several joints.
 fn remarks(chains: &[String], drives: &Drives, intake: &mut Intake) {
     if let Some((key, others)) = drives.keys() {
         let more = if others.is_empty() {

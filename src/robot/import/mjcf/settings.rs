@@ -1,4 +1,4 @@
-//! `<compiler>`: how the numbers of an MJCF file are meant, and the orientations that depend on it.
+//! `<compiler>`: the interpretation of numbers in an MJCF file, and the orientations that depend on it.
 
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
@@ -11,32 +11,32 @@ use super::super::xml::Element;
 use crate::diag::Diagnostic;
 use crate::robot::kinematics::rotation_about;
 
-/// The settings of a file; later `<compiler>` elements add to earlier ones.
+/// The settings of a file, merged from all `<compiler>` elements.
 #[derive(Clone, Debug)]
 pub(super) struct Settings {
-    /// Factor from the file's angles to rad.
+    /// Conversion factor from the file's angles to rad.
     pub angle: f64,
-    /// Whether a range alone limits.
+    /// Whether a range implies a limit.
     pub autolimits: bool,
-    /// Whether masses come from geoms: never, where there is no inertial, always.
+    /// Whether masses come from geoms: never, without an inertial, always.
     pub from_geoms: FromGeoms,
-    /// Geom groups whose masses count, first and last.
+    /// First and last geom group whose masses count.
     pub groups: [f64; 2],
-    /// Smallest mass of a body in kg, and smallest principal moment in kg m^2.
+    /// Minimum mass of a body in kg, and minimum principal moment in kg m^2.
     pub least: [f64; 2],
-    /// Mass in kg to which the whole model is scaled; not positive when it is not.
+    /// Mass in kg to which the whole model is scaled; no scaling unless positive.
     pub total_mass: f64,
     /// Whether impossible inertias become spheres.
     pub balance: bool,
     /// The folder of the meshes.
     pub meshes: PathBuf,
-    /// Whether the folders in the names of meshes are ignored.
+    /// Whether folders in mesh names are ignored.
     pub strip: bool,
-    /// Axes of Euler angles: a letter each, small ones for axes that turn with the body.
+    /// Sequence of Euler axes, one letter each; lower case for axes that rotate with the body.
     sequence: Vec<char>,
 }
 
-/// Where masses come from.
+/// The source of masses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FromGeoms {
     Never,
@@ -111,17 +111,17 @@ impl Settings {
         }
     }
 
-    /// The pose that an element's `pos` and orientation give.
+    /// The pose from an element's `pos` and orientation.
     pub fn pose(&self, element: &Element, intake: &mut Intake) -> Isometry3<f64> {
         let place = intake.vector(element, "pos").unwrap_or_default();
         let turn = self.orientation(element, intake).unwrap_or_else(UnitQuaternion::identity);
         Isometry3::from_parts(Translation3::from(Vector3::from(place)), turn)
     }
 
-    /// The orientation of an element; `None` when it gives none.
+    /// The orientation of an element; `None` if it has none.
     fn orientation(&self, element: &Element, intake: &mut Intake) -> Option<UnitQuaternion<f64>> {
         let other = |name: &&str| element.attribute(name).is_some();
-        // The other forms come before a quaternion, as MuJoCo has it where a default gives one and the
+        // Other forms take precedence over a quaternion, as in MuJoCo if a default has one form and the
         // element another.
         let form = ["axisangle", "euler", "xyaxes", "zaxis", "quat"].into_iter().find(other)?;
         let turn = match form {
@@ -163,10 +163,10 @@ impl Settings {
     }
 }
 
-/// Angles in degrees beyond which no range of radians goes.
+/// Ranges in rad do not exceed this, so that larger values are degrees.
 const WHOLE_TURN: f64 = 6.3;
 
-/// Tells ranges in degrees that look like radians (W0425): a file that says no unit means degrees.
+/// Warns of ranges in degrees that look like radians (W0425): degrees are the default unit of a file.
 pub(super) fn suspect(root: &Element, tree: &Tree, settings: &Settings, intake: &mut Intake) {
     let hinges =
         tree.parts.iter().filter_map(|part| part.hinge.as_ref()).filter(|hinge| hinge.other.is_none());
@@ -193,7 +193,7 @@ pub(super) fn suspect(root: &Element, tree: &Tree, settings: &Settings, intake: 
     intake.tell(warning);
 }
 
-/// The shortest rotation that turns z into a direction.
+/// The smallest rotation from z to a direction.
 pub(super) fn upright(direction: &Vector3<f64>) -> Option<UnitQuaternion<f64>> {
     let direction = Unit::try_new(*direction, 1e-14)?;
     let half_turn = || rotation_about(&Vector3::x(), PI);

@@ -1,9 +1,9 @@
-//! `<equality>`: what ties bodies and joints together beside the tree.
+//! `<equality>`: constraints between bodies and joints in addition to the tree.
 
 use super::super::tree::Tie;
 use super::super::xml::Element;
 
-/// The ties of a file between two named ends. A constraint with one end fixes it to the world or to a number.
+/// Constraints between two named ends. One with a single end fixes it to the world or to a number.
 pub(super) fn read(root: &Element) -> Vec<Tie> {
     root.all("equality").flat_map(|equality| &equality.children).filter_map(tie).collect()
 }
