@@ -1,10 +1,10 @@
 //! Forward kinematics, centre of mass, Jacobians, mass matrix and gravity of a robot, in f64.
 //!
-//! [`Kinematics`] holds its own copy of the figures and all buffers: [`Kinematics::place`] sets a pose
-//! without allocating, everything else reads from it. Knows no velocities, forces or simulator.
+//! [`Kinematics`] has its own copy of the parameters and all buffers: [`Kinematics::place`] sets a pose
+//! without allocating, everything else uses that pose. Does not cover velocities, forces or simulation.
 //!
-//! Generalised coordinates, where a vector or matrix has `6 + joints` entries: velocity of the base
-//! origin (world frame), angular velocity of the base (world frame), joint velocities in joint order.
+//! Generalised coordinates, where a vector or matrix has `6 + joints` entries: velocity of the base origin
+//! (world frame), angular velocity of the base (world frame), joint velocities in joint order.
 
 use nalgebra::{
     DMatrix, DVector, Isometry3, Matrix3, Matrix6xX, Point3, Quaternion, Translation3, UnitQuaternion,
@@ -16,13 +16,13 @@ use super::model::{Body, Robot};
 /// Acceleration of gravity in m/s^2, along -z.
 pub const GRAVITY: f64 = 9.81;
 
-/// The rotation by `angle` (rad) about a unit axis; like nalgebra's but with the portable sine.
+/// The rotation by `angle` (rad) about a unit axis; like nalgebra's but with a portable sine.
 pub fn rotation_about(axis: &Vector3<f64>, angle: f64) -> UnitQuaternion<f64> {
     let (sine, cosine) = libm::sincos(0.5 * angle);
     UnitQuaternion::new_unchecked(Quaternion::from_parts(cosine, axis * sine))
 }
 
-/// The figures of a body that kinematics needs.
+/// The body parameters that kinematics needs.
 #[derive(Clone, Debug)]
 struct Inertial {
     mass: f64,
@@ -36,7 +36,7 @@ impl From<&Body> for Inertial {
     }
 }
 
-/// The figures of a link and its joint.
+/// The parameters of a link and its joint.
 #[derive(Clone, Debug)]
 struct Bone {
     parent: Option<usize>,
@@ -54,7 +54,7 @@ struct Sole {
     half: [f64; 2],
 }
 
-/// Where a robot's links are in one pose, and what follows from it.
+/// The poses of a robot's links, and derived quantities.
 #[derive(Clone, Debug)]
 pub struct Kinematics {
     trunk: Inertial,
@@ -103,13 +103,12 @@ impl Kinematics {
         kinematics
     }
 
-    /// Puts the robot into a pose: world from base, and joint positions in rad.
+    /// Sets the pose: world from base, and joint positions in rad.
     pub fn place(&mut self, base: &Isometry3<f64>, position: &[f64]) {
         self.place_links(base, position);
         for (index, bone) in self.bones.iter().enumerate() {
             let pose = &self.poses[index];
-            // A joint's axis is the same in the frames of both its bodies up to rounding; this is its
-            // parent's.
+            // A joint's axis is the same in the frames of both bodies up to rounding; this uses the parent's.
             let parent = bone.parent.map_or(base, |parent| &self.poses[parent]);
             self.axes[index] = (parent.rotation * bone.origin.rotation) * bone.axis;
             let com = pose * bone.inertial.com;
@@ -126,7 +125,7 @@ impl Kinematics {
         }
     }
 
-    /// Sets the base and the poses of the links alone; everything else stays that of the last
+    /// Sets only the base and the poses of the links; everything else remains from the last
     /// [`Kinematics::place`].
     pub fn place_links(&mut self, base: &Isometry3<f64>, position: &[f64]) {
         self.base = *base;
@@ -186,14 +185,14 @@ impl Kinematics {
     }
 
     /// Whether each sole's centre is within `tolerance` (m) of the lower one's height: the contacts of a
-    /// robot that stands, inferred from its pose.
+    /// standing robot, inferred from its pose.
     pub fn contacts_by_height(&self, tolerance: f64) -> [bool; 2] {
         let heights = [0, 1].map(|side| self.sole(side).translation.z);
         let lowest = heights[0].min(heights[1]);
         heights.map(|height| height - lowest < tolerance)
     }
 
-    /// Whether a joint lies between the base and a link (the link's own joint included).
+    /// Whether a joint is between the base and a link (including the link's own joint).
     pub fn carries(&self, joint: usize, link: usize) -> bool {
         self.chain(link).any(|ancestor| ancestor == joint)
     }
@@ -215,7 +214,7 @@ impl Kinematics {
         Point3::from((trunk + links.sum::<Vector3<f64>>()) / self.total_mass())
     }
 
-    /// Gravity torque of a joint in N m: what its drive must supply to carry the links that hang on it.
+    /// Gravity torque of a joint in N m: what its drive must supply to hold the links below it.
     pub fn gravity_torque(&self, joint: usize) -> f64 {
         let anchor = self.poses[joint].translation.vector;
         let lever = self.subtree_moment[joint] - anchor * self.subtree_mass[joint];
@@ -223,8 +222,8 @@ impl Kinematics {
         GRAVITY * (axis.x * lever.y - axis.y * lever.x)
     }
 
-    /// Writes the generalised gravity vector (`6 + joints`; N and N m): the force that keeps the robot
-    /// at rest without any contact.
+    /// Writes the generalised gravity vector (`6 + joints`; N and N m): the force that holds the robot still
+    /// without any contact.
     pub fn gravity(&self, out: &mut DVector<f64>) {
         let weight = self.total_mass() * GRAVITY;
         let lever = self.com() - Point3::from(self.base.translation.vector);

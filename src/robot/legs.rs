@@ -1,15 +1,15 @@
-//! The joints of a leg by their function, the leg's length, and its inverse kinematics.
+//! The joints of a leg by function, the leg's length, and its inverse kinematics.
 //!
-//! A leg is the chain from the base to a foot without what carries both, such as a waist. Nothing is assumed
-//! about its offsets or its joint order: functions come from the axes, and the inverse kinematics is numeric.
+//! A leg is the chain from the base to a foot without shared joints such as a waist. Offsets and joint order
+//! are arbitrary: functions are derived from the axes, and the inverse kinematics is numeric.
 
 use nalgebra::{Isometry3, Matrix3, Matrix6, Matrix6xX, Vector3, Vector6};
 
 use super::kinematics::Kinematics;
 use super::model::Robot;
 
-/// Cosine of the angle to a coordinate axis up to which a joint turns about it; above 0.71 that is at most
-/// one of the three.
+/// Minimum cosine of the angle between a joint's axis and a coordinate axis that it turns about; above 0.71,
+/// at most one axis qualifies.
 const ALONG: f64 = 0.75;
 
 /// A joint of a leg and the sign of its axis along the base's x (roll), y (pitch) or z (yaw) when all
@@ -34,8 +34,8 @@ pub struct Leg {
 }
 
 impl Leg {
-    /// The left (0) or right (1) leg of a robot; `None` when it is not made of one yaw, two roll and three
-    /// pitch joints.
+    /// The left (0) or right (1) leg of a robot; `None` unless it has one yaw, two roll and three pitch
+    /// joints.
     pub fn of(robot: &Robot, side: usize) -> Option<Self> {
         let [rolls, pitches, yaws] = [0, 1, 2].map(|axis| hinges(robot, side, axis));
         match (rolls.as_slice(), pitches.as_slice(), yaws.as_slice()) {
@@ -51,7 +51,7 @@ impl Leg {
         }
     }
 
-    /// Hip, knee and ankle pitch of a leg of any make: its first three pitch joints from the hip down.
+    /// Hip, knee and ankle pitch of any leg: its first three pitch joints from the hip down.
     pub fn pitches(robot: &Robot, side: usize) -> Option<[Hinge; 3]> {
         hinges(robot, side, 1).first_chunk().copied()
     }
@@ -62,8 +62,8 @@ impl Leg {
     }
 }
 
-/// The joints of a leg, from the hip down, whose axis is within 41 degrees of a coordinate axis of the
-/// base when all joints are at zero: hips of humanoids are built with their pitch axis up to 35 degrees off.
+/// The joints of a leg, from the hip down, whose axis is within 41 degrees of a coordinate axis of the base
+/// with all joints at zero: the hip pitch axes of humanoids are inclined by up to 35 degrees.
 fn hinges(robot: &Robot, side: usize, axis: usize) -> Vec<Hinge> {
     let kinematics = at_zero(robot);
     let along = |joint: usize| kinematics.axis(joint)[axis];
@@ -76,8 +76,8 @@ fn hinges(robot: &Robot, side: usize, axis: usize) -> Vec<Hinge> {
     hinges
 }
 
-/// A joint of the left leg that turns about no axis of the base when all joints are at zero, and its angle in
-/// rad to the nearest.
+/// A joint of the left leg that turns about no axis of the base with all joints at zero, and its angle in rad
+/// to the nearest.
 pub fn oblique(robot: &Robot) -> Option<(String, f64)> {
     let kinematics = at_zero(robot);
     let mut leg = own(&kinematics, 0);
@@ -87,7 +87,7 @@ pub fn oblique(robot: &Robot) -> Option<(String, f64)> {
     Some((robot.links[joint].joint.name.clone(), libm::acos(along(joint))))
 }
 
-/// The joints of a leg from the foot up: those between base and foot that do not carry the other foot too.
+/// The joints of a leg from the foot up: those between base and foot that do not also carry the other foot.
 pub fn own(kinematics: &Kinematics, side: usize) -> Vec<usize> {
     let other: Vec<usize> = kinematics.chain(kinematics.foot_link(1 - side)).collect();
     kinematics.chain(kinematics.foot_link(side)).filter(|joint| !other.contains(joint)).collect()
@@ -100,17 +100,16 @@ fn at_zero(robot: &Robot) -> Kinematics {
     kinematics
 }
 
-/// Length of a leg in m: height of the hip pitch joint above the foot's link (the ankle) with all
-/// joints at zero. `None` when the leg has no pitch joint.
+/// Length of a leg in m: height of the hip pitch joint above the foot's link (the ankle) with all joints at
+/// zero. `None` without a pitch joint.
 pub fn leg_length(robot: &Robot) -> Option<f64> {
     let (hip, _) = *hinges(robot, 0, 1).first()?;
     let kinematics = at_zero(robot);
     Some(kinematics.pose(hip).translation.z - kinematics.pose(robot.feet[0].link).translation.z)
 }
 
-/// Height in m of the hips' pitch axes above the lower sole in the default pose, base upright: how tall a
-/// robot stands wherever the origin of its base is. The joints next to the base where a leg has no pitch
-/// joint.
+/// Height in m of the hips' pitch axes above the lower sole in the default pose, base upright: independent of
+/// the base's origin. Without pitch joints, that of the joints next to the base.
 pub fn hip_height(robot: &Robot) -> f64 {
     let kinematics = Kinematics::new(robot);
     let ground =
@@ -123,8 +122,8 @@ pub fn hip_height(robot: &Robot) -> f64 {
     0.5 * (height(hips[0]) + height(hips[1]))
 }
 
-/// Turns the joints of a leg until its foot's link has a pose (base frame), from the positions in
-/// `position`, by damped Newton steps. Returns the remaining distance (m and rad together).
+/// Moves the joints of a leg until its foot's link has the target pose (base frame), starting from
+/// `position`, by damped Newton steps. Returns the remaining error (m and rad combined).
 pub fn reach(kinematics: &mut Kinematics, side: usize, target: &Isometry3<f64>, position: &mut [f64]) -> f64 {
     let foot = kinematics.foot_link(side);
     let chain = own(kinematics, side);
@@ -137,8 +136,8 @@ pub fn reach(kinematics: &mut Kinematics, side: usize, target: &Isometry3<f64>, 
             break;
         }
         let jacobian = leg_jacobian(kinematics, foot, &chain);
-        // Levenberg and Marquardt with a damping that vanishes with the error: far from the target it
-        // shortens the step, near it the convergence stays quadratic.
+        // Levenberg-Marquardt with damping that vanishes with the error: it shortens steps far from the
+        // target and preserves quadratic convergence near it.
         let damping = (1e-2 * residual * residual).max(1e-18);
         let normal: Matrix6<f64> = &jacobian * jacobian.transpose() + Matrix6::from_diagonal_element(damping);
         let Some(factor) = normal.cholesky() else { break };
@@ -151,8 +150,8 @@ pub fn reach(kinematics: &mut Kinematics, side: usize, target: &Isometry3<f64>, 
     residual
 }
 
-/// Displacement and rotation from one pose to another. The rotation is the antisymmetric part of the
-/// matrix, not its logarithm, which is not a number next to the identity.
+/// Displacement and rotation from one pose to another. The rotation is the antisymmetric part of the matrix,
+/// because its logarithm is NaN close to the identity.
 fn pose_error(from: &Isometry3<f64>, to: &Isometry3<f64>) -> Vector6<f64> {
     let shift = to.translation.vector - from.translation.vector;
     let turn: Matrix3<f64> = (to.rotation * from.rotation.inverse()).to_rotation_matrix().into_inner();

@@ -1,4 +1,4 @@
-//! From the text of a robot file to a robot, with diagnostics that point into the text.
+//! Loads a robot from the text of its file, with diagnostics that point into the text.
 
 use super::checks::Issue;
 use super::file::{self, PARAMS};
@@ -6,8 +6,7 @@ use super::model::Robot;
 use crate::diag::{Diagnostic, Sink, SourceId, Sources};
 use crate::spec::{Marks, decode};
 
-/// Reads a robot file, a text that was added to the sources. `None` if it has errors; everything that was
-/// found is in the sink then.
+/// Reads a robot file in the sources. `None` if it has errors; all diagnostics are then in the sink.
 pub fn load(name: &str, sources: &Sources, source: SourceId, sink: &mut Sink) -> Option<Robot> {
     let mut own = Sink::default();
     let robot = read(name, sources, source, &mut own).filter(|_| !own.has_errors());
@@ -15,7 +14,7 @@ pub fn load(name: &str, sources: &Sources, source: SourceId, sink: &mut Sink) ->
     robot
 }
 
-/// The same, with the robot also if its model is sound and its checks find errors.
+/// The same, but also returns a robot whose model is valid and whose checks find errors.
 pub fn read(name: &str, sources: &Sources, source: SourceId, sink: &mut Sink) -> Option<Robot> {
     let decoded = decode::document(sources, source, PARAMS, sink)?;
     let (robot, issues) = file::from_table(name, &decoded.table);
@@ -36,8 +35,8 @@ pub fn diagnostic(issue: &Issue, marks: &Marks) -> Diagnostic {
     if issue.help.is_empty() { found } else { found.help(issue.help.as_str()) }
 }
 
-/// Everything that is wrong with the text of a robot's file, or suspicious in it, as `robot show` tells it.
-/// What is wrong with the text itself has its line as its path.
+/// All errors and warnings for the text of a robot's file, as shown by `robot show`. Those of the text itself
+/// have its line as path.
 pub fn issues(name: &str, text: &str) -> Vec<Issue> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let source = sources.add(format!("{name}.toml"), text);
@@ -47,7 +46,7 @@ pub fn issues(name: &str, text: &str) -> Vec<Issue> {
     issues
 }
 
-/// A diagnostic of a robot's text as an issue.
+/// Converts a diagnostic of a robot's text to an issue.
 fn of_text(told: &Diagnostic, sources: &Sources) -> Issue {
     let line = told.labels.first().map(|label| sources.positions(label.span)[0].line);
     Issue {
@@ -58,7 +57,7 @@ fn of_text(told: &Diagnostic, sources: &Sources) -> Issue {
     }
 }
 
-/// A robot that comes with specforge.
+/// A robot embedded in specforge.
 pub fn shipped(name: &str) -> Option<Robot> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let source = sources.add(format!("robots/{name}.toml"), super::embedded(name)?);

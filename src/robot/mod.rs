@@ -1,7 +1,7 @@
 //! Robots: the model read from `robots/NAME.toml`, its checks, kinematics, support polygon and gravity
 //! compensation.
 //!
-//! Uses nalgebra in f64, a geometry library for what is inside what, and knows no simulator.
+//! Uses nalgebra in f64 and a geometry library for collisions, but no simulator.
 
 pub mod checks;
 pub mod examine;
@@ -36,19 +36,19 @@ pub use model::{Body, Collision, Foot, Joint, Link, Robot, Shape};
 pub use self_collision::SelfCollision;
 pub use support::Support;
 
-/// The robots that come with specforge: name and text of the file.
+/// The robots embedded in specforge: name and text of the file.
 static EMBEDDED: [(&str, &str); 3] = [
     ("atlas", include_str!("../../robots/atlas.toml")),
     ("g1", include_str!("../../robots/g1.toml")),
     ("tocabi", include_str!("../../robots/tocabi.toml")),
 ];
 
-/// The text of a robot file that comes with specforge.
+/// The text of an embedded robot file.
 pub fn embedded(name: &str) -> Option<&'static str> {
     EMBEDDED.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
 }
 
-/// The names of the robots that come with specforge, sorted.
+/// The names of the embedded robots, sorted.
 pub fn names() -> impl Iterator<Item = &'static str> {
     EMBEDDED.iter().map(|(name, _)| *name)
 }

@@ -3,15 +3,15 @@
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// A rigid-body robot with a floating base. `links[i]` hangs on `links[i].joint`; the order of `links`
-/// is the joint order of every vector in the program (positions, velocities, torques, actions).
+/// A rigid-body robot with a floating base. `links[i].joint` carries `links[i]`; the order of `links` is the
+/// joint order of every vector in the program (positions, velocities, torques, actions).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Robot {
     /// Its name, `robots/NAME.toml`.
     pub name: String,
     /// The floating base.
     pub base: Body,
-    /// The moving links in joint order; a parent stands before its children.
+    /// The moving links in joint order; parents come before their children.
     pub links: Vec<Link>,
     /// Left foot, right foot.
     pub feet: [Foot; 2],
@@ -63,7 +63,7 @@ pub struct Joint {
     pub upper: f64,
     /// Effort limit in N m.
     pub effort_limit: f64,
-    /// Motor speed limit in rad/s; a figure of the motor, enforced only where a spec asks for it.
+    /// Motor speed limit in rad/s; enforced only if a spec requests it.
     pub velocity_limit: f64,
     /// Viscous damping in N m s/rad.
     pub damping: f64,
@@ -79,7 +79,7 @@ pub struct Joint {
     pub default_position: f64,
 }
 
-/// A foot: the link that may touch the ground and its flat sole.
+/// A foot: the link that may touch the ground, and its flat sole.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Foot {
     /// Index of the foot's link.
@@ -93,7 +93,7 @@ pub struct Foot {
     pub friction: f64,
 }
 
-/// A sole that neither slips nor grips more than the ground says.
+/// A sole that leaves the ground's friction coefficient unchanged.
 const fn whole() -> f64 {
     1.0
 }

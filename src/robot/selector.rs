@@ -1,7 +1,7 @@
-//! Selectors: names of joints or links in which `*` stands for any letters.
+//! Selectors: names of joints or links with the wildcard `*`.
 
-/// Whether a selector matches a name. Each piece between stars is taken where it first fits, so that the work
-/// grows with the lengths and not with the number of stars.
+/// Whether a selector matches a name. Each piece between stars is matched at the first possible position, so
+/// that the cost does not grow with the number of stars.
 pub fn matches(selector: &str, name: &str) -> bool {
     let Some((head, rest)) = selector.split_once('*') else { return selector == name };
     let (middle, tail) = rest.rsplit_once('*').map_or((None, rest), |(middle, tail)| (Some(middle), tail));

@@ -1,8 +1,8 @@
-//! Whether a robot's links are inside each other: the engines let them pass through each other.
+//! Detects self-collisions, which the engines ignore.
 //!
-//! This runs in every control step of a training, so most pairs are decided before the geometry library is
-//! asked: by bounding spheres, then by a plane between the two shapes along one of a few directions. Both are
-//! exact when they say "apart"; everything else goes to the library.
+//! This runs in every control step of training, so most pairs are decided without the geometry library: by
+//! bounding spheres, then by a separating plane along one of a few directions. Both are exact if they find
+//! "apart"; all other pairs are passed to the library.
 
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3, distance_squared};
 use parry3d::query::intersection_test;
@@ -15,11 +15,11 @@ use super::solid::{pose, sole, solid};
 /// Two bodies: 0 is the base, 1 the first link.
 pub type Pair = [usize; 2];
 
-/// Gap in m between two shapes from which they count as apart without the library, whose numbers are `f32`:
-/// at the size of a robot it is wrong by less than 1e-6 m.
+/// Minimum gap in m between two shapes to skip the library, which uses `f32`: at the size of a robot its
+/// error is below 1e-6 m.
 const CLEAR: f64 = 1e-4;
 
-/// The solids of a robot and the pairs of its bodies that are checked.
+/// The solids of a robot, and the pairs of bodies to check.
 #[derive(Clone)]
 pub struct SelfCollision {
     kinematics: Kinematics,
@@ -31,14 +31,14 @@ pub struct SelfCollision {
 #[derive(Clone)]
 struct Piece {
     solid: SharedShape,
-    /// Where the library's solid lies in the body frame.
+    /// Pose of the library's solid in the body frame.
     solid_place: Isometry3<f64>,
     shape: Shape,
-    /// Where the shape lies in the body frame.
+    /// Pose of the shape in the body frame.
     place: Isometry3<f64>,
     /// Radius of the bounding sphere in m.
     radius: f64,
-    /// Centre and axes of the shape in the robot's frame, in the pose that is looked at.
+    /// Centre and axes of the shape in the robot's frame, in the pose to check.
     centre: Point3<f64>,
     axes: Matrix3<f64>,
 }
@@ -48,7 +48,7 @@ impl Piece {
         Self::new(collision.shape.clone(), collision.pose, solid(collision))
     }
 
-    /// As in the engines: a foot is its sole's box.
+    /// As in the engines, a foot is represented by its sole's box.
     fn of_foot(foot: &Foot) -> Self {
         let (solid, place) = sole(foot);
         Self::new(Shape::Box(foot.half_extents), place, (solid, place))
@@ -69,7 +69,7 @@ impl Piece {
         self.axes = (body.rotation * self.place.rotation).to_rotation_matrix().into_inner();
     }
 
-    /// How far the shape reaches from its centre along a direction, times the direction's length.
+    /// Extent of the shape from its centre along a direction, times the direction's length.
     fn reach(&self, direction: &Vector3<f64>) -> f64 {
         let local = self.axes.tr_mul(direction);
         match &self.shape {
@@ -88,21 +88,19 @@ impl std::fmt::Debug for SelfCollision {
 }
 
 impl SelfCollision {
-    /// The pairs of bodies that may not meet: neither hangs on the other, and in the default pose they are
-    /// apart.
+    /// The pairs of bodies that must not collide: not connected by a joint, and apart in the default pose.
     pub fn pairs(robot: &Robot) -> Vec<Pair> {
         let candidates = Self::unconnected(robot);
         candidates.pairs.iter().filter(|pair| !candidates.meets(**pair)).copied().collect()
     }
 
-    /// The other pairs of which neither body hangs on the other: in the default pose they are inside each
-    /// other.
+    /// The other pairs of bodies that are not connected by a joint: those that overlap in the default pose.
     pub fn overlapping(robot: &Robot) -> Vec<Pair> {
         let candidates = Self::unconnected(robot);
         candidates.pairs.iter().filter(|pair| candidates.meets(**pair)).copied().collect()
     }
 
-    /// A robot in its default pose, with all pairs of bodies of which neither hangs on the other.
+    /// A robot in its default pose, with all pairs of bodies that are not connected by a joint.
     fn unconnected(robot: &Robot) -> Self {
         let bodies = robot.links.len() + 1;
         let parent = |body: usize| robot.links[body - 1].parent.map_or(0, |link| link + 1);
@@ -112,7 +110,7 @@ impl SelfCollision {
         candidates
     }
 
-    /// Whether any body but the feet, of which the soles are known, has a shape that can meet another.
+    /// Whether any body besides the feet, which always have soles, has a collision shape.
     pub fn is_measurable(robot: &Robot) -> bool {
         let is_foot = |link: usize| robot.feet.iter().any(|foot| foot.link == link);
         let mut others =
@@ -120,7 +118,7 @@ impl SelfCollision {
         !robot.base.collisions.is_empty() || others.any(|body| !body.collisions.is_empty())
     }
 
-    /// A robot whose pairs of these bodies are looked at.
+    /// A robot with the pairs of bodies to check.
     pub fn new(robot: &Robot, pairs: Vec<Pair>) -> Self {
         let trunk = robot.base.collisions.iter().map(Piece::of).collect();
         let links = robot.links.iter().enumerate().map(|(index, link)| {
@@ -133,7 +131,7 @@ impl SelfCollision {
         Self { kinematics: Kinematics::new(robot), bodies, pairs }
     }
 
-    /// The first pair that is inside each other at these joint positions in rad.
+    /// The first colliding pair at these joint positions in rad.
     pub fn find(&mut self, position: &[f64]) -> Option<Pair> {
         self.place(position);
         self.pairs.iter().find(|pair| self.meets(**pair)).copied()
@@ -163,8 +161,8 @@ impl SelfCollision {
     }
 }
 
-/// Whether the bounding spheres do not touch, or a plane across one of a few directions lies between the
-/// shapes: across the line of their centres or an axis of one of them.
+/// Whether the bounding spheres do not touch, or a plane separates the shapes: perpendicular to the line
+/// between their centres or to an axis of one of them.
 fn are_apart(a: &Piece, b: &Piece) -> bool {
     let reach = a.radius + b.radius + CLEAR;
     if distance_squared(&a.centre, &b.centre) > reach * reach {
@@ -223,7 +221,7 @@ mod tests {
         let [left, right] = ["L_HipRoll_Joint", "R_HipRoll_Joint"].map(|name| joint(&robot, name));
         let mut rolled = |inwards: f64| {
             let mut position = robot.default_pose();
-            // A positive roll of the left hip takes the foot outwards.
+            // A positive roll of the left hip moves the foot outwards.
             position[left] -= inwards;
             position[right] += inwards;
             guard.find(&position).map(|pair| SelfCollision::names(&robot, pair))

@@ -1,18 +1,17 @@
-//! Figures of the robot that a spec states in place of the robot's file.
+//! Robot parameters that a spec overrides.
 
 use super::model::Robot;
 use crate::spec::section::Robot as Stated;
 use crate::spec::{Section, Table};
 
-/// Gives the robot what a decoded spec states in `[robot]`: `joint_damping` in N m s/rad, at every actuated
-/// joint.
+/// Applies `[robot]` of a decoded spec to the robot: `joint_damping` in N m s/rad, for all actuated joints.
 pub fn state(robot: &mut Robot, fields: &Table) {
     if let Some(damping) = Section::new(fields).at(Stated::joint_damping) {
         robot.links.iter_mut().for_each(|link| link.joint.damping = damping);
     }
 }
 
-/// Whether a decoded spec states any.
+/// Whether a decoded spec overrides any.
 pub fn any(fields: &Table) -> bool {
     Section::new(fields).at(Stated::joint_damping).is_some()
 }

@@ -1,19 +1,19 @@
-//! Longer and shorter legs: the same robot with every bone of its legs stretched.
+//! Longer and shorter legs: the same robot with all leg bones stretched.
 //!
-//! A bone is the way from a link's joint to the next joint on the way to the foot. Stretching a link by a
-//! factor multiplies every length along its bone by it and keeps those across: the thigh of a taller robot is
-//! longer, not thicker. Mass stays (it has a randomization of its own), so the moments of inertia about the
-//! axes across the bone grow nearly with the square of the factor, and the one about the bone stays.
+//! A bone is the segment from a link's joint to the next joint towards the foot. Stretching a link multiplies
+//! all lengths along its bone by a factor and preserves those across: the thigh of a taller robot is longer,
+//! not thicker. Mass is unchanged (it has its own randomization), so the moments of inertia about the axes
+//! across the bone grow nearly with the square of the factor, and the one about the bone is unchanged.
 
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 
 use super::model::{Body, Collision, Robot, Shape};
 use super::symmetry;
 
-/// Length in m below which two joints count as being in one place: there is no bone to stretch.
+/// Minimum distance in m between two joints for a bone that can be stretched.
 const SHORTEST: f64 = 1e-3;
 
-/// Multiplication of all lengths along one direction.
+/// Scaling of all lengths along one direction.
 #[derive(Clone, Copy, Debug)]
 struct Stretch(Matrix3<f64>);
 
@@ -22,17 +22,17 @@ impl Stretch {
         Self(Matrix3::identity() + along.as_ref() * along.as_ref().transpose() * (factor - 1.0))
     }
 
-    /// Stretches a body about the origin of its frame; its mass stays.
+    /// Stretches a body about the origin of its frame; its mass is unchanged.
     fn body(&self, body: &mut Body) {
         body.com = Point3::from(self.0 * body.com.coords);
-        // The second moments of the mass are what a linear map acts on: `S = tr(I) / 2 - I`.
+        // A linear map transforms the second moments of the mass: `S = tr(I) / 2 - I`.
         let second = Matrix3::from_diagonal_element(0.5 * body.inertia.trace()) - body.inertia;
         let second = self.0 * second * self.0.transpose();
         body.inertia = Matrix3::from_diagonal_element(second.trace()) - second;
         body.collisions.iter_mut().for_each(|collision| self.collision(collision));
     }
 
-    /// A shape keeps its thickness: a capsule, a cylinder or a box gets longer, a sphere moves.
+    /// The thickness of a shape is unchanged: a capsule, cylinder or box gets longer, a sphere moves.
     fn collision(&self, collision: &mut Collision) {
         let Isometry3 { rotation, translation } = collision.pose;
         let longer = |axis: Vector3<f64>| (self.0 * (rotation * axis)).norm();
@@ -53,11 +53,11 @@ impl Stretch {
 }
 
 impl Robot {
-    /// Makes both legs longer (or shorter) by a factor: bones, the mass properties and shapes of their links,
-    /// and the standing height. What both legs hang on and the feet stay as they are.
+    /// Scales both legs by a factor: bones, the mass properties and shapes of their links, and the standing
+    /// height. Shared parents and the feet are unchanged.
     pub fn stretch_legs(&mut self, factor: f64) {
         if factor == 1.0 {
-            // Not even by rounding.
+            // Avoids rounding errors.
             return;
         }
         for (link, next) in self.bones() {

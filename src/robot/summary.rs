@@ -1,4 +1,4 @@
-//! What `robot show` tells of a robot: masses, limits, gains and the outcome of each check.
+//! Output of `robot show`: masses, limits, gains and the result of each check.
 
 use serde::Serialize;
 
@@ -9,7 +9,7 @@ use super::legs::leg_length;
 use super::model::Robot;
 use crate::diag::Severity;
 
-/// A robot in figures, in SI units.
+/// The parameters of a robot, in SI units.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
     /// The robot's name.
@@ -20,7 +20,7 @@ pub struct Summary {
     pub com: [f64; 3],
     /// Height of the base origin above the ground in the default pose, in m.
     pub standing_height: f64,
-    /// Hip pitch joint to ankle with straight legs, in m; absent without pitch joints.
+    /// Distance from hip pitch joint to ankle with straight legs, in m; absent without pitch joints.
     pub leg_length: Option<f64>,
     /// The joints, in the order of all joint vectors.
     pub joints: Vec<JointSummary>,
@@ -30,7 +30,7 @@ pub struct Summary {
     pub checks: Vec<Check>,
 }
 
-/// A joint in figures.
+/// The parameters of a joint.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct JointSummary {
     /// Its name.
@@ -61,12 +61,12 @@ pub struct JointSummary {
     pub mirror_sign: f64,
 }
 
-/// A body in figures.
+/// The parameters of a body.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LinkSummary {
     /// Its name.
     pub name: String,
-    /// Name of the body that carries it; absent for the base.
+    /// Name of its parent; absent for the base.
     pub parent: Option<String>,
     /// Mass in kg.
     pub mass: f64,
@@ -74,20 +74,20 @@ pub struct LinkSummary {
     pub com: [f64; 3],
     /// Principal moments of inertia in kg m^2, smallest first.
     pub principal_moments: [f64; 3],
-    /// Number of collision shapes, the sole's box of a foot included.
+    /// Number of collision shapes, including the box of a foot's sole.
     pub shapes: usize,
 }
 
-/// The outcome of a check.
+/// The result of a check.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {
     /// The property that is checked.
     pub name: &'static str,
     /// Whether no error was found.
     pub passed: bool,
-    /// The figure behind it, or what was found.
+    /// The value that decided it, or the findings.
     pub detail: String,
-    /// What was found.
+    /// The findings.
     pub findings: Vec<Finding>,
 }
 
@@ -127,7 +127,7 @@ impl From<Examined> for Check {
     }
 }
 
-/// The figures of a robot.
+/// The summary of a robot.
 pub fn summary(robot: &Robot) -> Summary {
     Summary {
         name: robot.name.clone(),

@@ -1,7 +1,7 @@
-//! The support polygon: the convex hull of the corners of the soles that carry, seen from above.
+//! The support polygon: the convex hull of the corners of the soles in contact, seen from above.
 //!
-//! A robot at rest on level ground stands as long as its centre of mass is above the polygon. Knows no
-//! forces, and takes which soles carry from its caller.
+//! A robot at rest on level ground stands as long as its centre of mass is above the polygon. Independent of
+//! forces; the caller decides which soles are in contact.
 
 use nalgebra::{Point2, Vector2};
 
@@ -15,14 +15,14 @@ pub struct Support {
 }
 
 impl Support {
-    /// The polygon under the left and the right sole, each if it carries.
+    /// The polygon of the left and the right sole, each if it is in contact.
     pub fn new(kinematics: &Kinematics, contact: [bool; 2]) -> Self {
         let carrying = (0..2).filter(|side| contact[*side]);
         Self::around(carrying.flat_map(|side| kinematics.corners(side)).map(|corner| corner.xy()).collect())
     }
 
-    /// How far in m the centre of mass of a robot in its default pose is inside the polygon of both soles;
-    /// negative outside.
+    /// Distance in m of the centre of mass, in the default pose, inside the border of the polygon of both
+    /// soles; negative outside.
     pub fn standing_margin(robot: &Robot) -> f64 {
         let kinematics = Kinematics::new(robot);
         Self::new(&kinematics, [true; 2]).margin(&kinematics.com().xy())
@@ -50,7 +50,7 @@ impl Support {
         self.edges().map(|(from, to)| from.coords.perp(&to.coords)).sum::<f64>() / 2.0
     }
 
-    /// Distance in m of a point from the border: positive inside, negative outside, minus infinity
+    /// Signed distance in m of a point from the border: positive inside, negative outside, minus infinity
     /// without a contact.
     pub fn margin(&self, point: &Point2<f64>) -> f64 {
         let distance = self.edges().map(|(from, to)| distance(point, from, to)).fold(f64::INFINITY, f64::min);
@@ -64,8 +64,7 @@ impl Support {
     }
 }
 
-/// The points of one side of the hull, from the first point to the one before the last: every turn is to the
-/// left.
+/// The points of one side of the hull without the last: every turn is to the left.
 fn half_hull<'a>(points: impl Iterator<Item = &'a Point2<f64>>) -> Vec<Point2<f64>> {
     let mut chain: Vec<Point2<f64>> = Vec::new();
     for point in points {

@@ -1,5 +1,5 @@
-//! The mirror map of a robot (reflection in the x-z plane), and its standing height: what follows from
-//! the model's geometry and is not written in its file.
+//! The mirror map of a robot (reflection in the x-z plane) and its standing height, which follow from the
+//! model's geometry and are not in its file.
 
 use nalgebra::{Isometry3, Vector3};
 
@@ -7,8 +7,8 @@ use super::kinematics::Kinematics;
 use super::legs;
 use super::model::Robot;
 
-/// Distance in m of axes as lines, and length of the difference of unit axes, up to which joints count as
-/// mirror images.
+/// Tolerance for mirrored joints: distance in m between axes as lines, and length of the difference of unit
+/// axes.
 pub const TOLERANCE: f64 = 2e-3;
 
 /// A joint without a mirror image.
@@ -16,16 +16,16 @@ pub const TOLERANCE: f64 = 2e-3;
 pub struct Unpaired {
     /// Its name.
     pub joint: String,
-    /// The joint that is its counterpart by name.
+    /// The closest candidate: its counterpart by name.
     pub nearest: Option<Nearest>,
 }
 
-/// A joint that ought to be a mirror image and is not.
+/// A joint that should be a mirror image but is not.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Nearest {
     /// Its name.
     pub joint: String,
-    /// Distance in m of its axis, as a line, from that of the image.
+    /// Distance in m between its axis, as a line, and that of the image.
     pub apart: f64,
     /// Angle in rad between both axes.
     pub angle: f64,
@@ -43,8 +43,7 @@ impl Nearest {
     }
 }
 
-/// The axis of a joint as a line: where along its own axis a joint has its origin changes nothing of the
-/// robot.
+/// The axis of a joint as a line: the position of a joint's origin along its axis does not affect the robot.
 #[derive(Clone, Copy, Debug)]
 struct Line {
     point: Vector3<f64>,
@@ -65,24 +64,24 @@ impl Line {
         (way - self.axis * way.dot(&self.axis)).norm()
     }
 
-    /// The sign with which two lines are the same one.
+    /// The relative sign of two lines, if they are the same.
     fn same(&self, other: &Self) -> Option<f64> {
         let sign = self.axis.dot(&other.axis).signum();
         (self.apart(other) < TOLERANCE && (self.axis * sign - other.axis).norm() < TOLERANCE).then_some(sign)
     }
 
-    /// Angle in rad between both, without their directions.
+    /// Angle in rad between both lines, regardless of direction.
     fn angle(&self, other: &Self) -> f64 {
         libm::atan2(self.axis.cross(&other.axis).norm(), self.axis.dot(&other.axis).abs())
     }
 }
 
-/// Mirror images of all joints: index and sign of the coordinate. With like axes on both sides yaw and roll
-/// change sign and pitch keeps it.
+/// Mirror images of all joints: index and sign of the coordinate. If both sides have the same axes, yaw and
+/// roll change sign and pitch does not.
 ///
-/// Joints are compared as lines. The image of a joint hangs on the image of its parent, and that of a leg's
-/// joint belongs to the other leg. Where several joints are left, the one that is called like the image
-/// (`left_hip`, `right_hip`) is taken, or else the one whose origin is nearest.
+/// Joints are compared as lines. The parent of a joint's image is the image of its parent, and the image of a
+/// leg's joint belongs to the other leg. Of several candidates, the one named like the image (`left_hip`,
+/// `right_hip`) is used, or else the one with the nearest origin.
 pub fn mirror_map(robot: &Robot) -> Result<Vec<(usize, f64)>, Unpaired> {
     let mut kinematics = Kinematics::new(robot);
     kinematics.place(&Isometry3::identity(), &vec![0.0; robot.joints()]);
@@ -124,7 +123,7 @@ pub fn mirror_map(robot: &Robot) -> Result<Vec<(usize, f64)>, Unpaired> {
     }
 }
 
-/// Left (1) or right (-1), where a name says so: `left_foot`, `LeftFoot`, `l_foot`, `LAnklePitch`, `foot.R`.
+/// Left (1) or right (-1), if a name contains it: `left_foot`, `LeftFoot`, `l_foot`, `LAnklePitch`, `foot.R`.
 pub fn side_of(name: &str) -> Option<i32> {
     let lower = name.to_lowercase();
     match (lower.contains("left"), lower.contains("right")) {
@@ -148,8 +147,8 @@ pub fn side_of(name: &str) -> Option<i32> {
     }
 }
 
-/// The name with left and right exchanged: `left_hip` is `right_hip`, `L_Knee` is `R_Knee`, `waist` is
-/// `waist`.
+/// The name with left and right swapped: `left_hip` is `right_hip`, `L_Knee` is `R_Knee`, `waist` is
+/// unchanged.
 pub fn counterpart(name: &str) -> String {
     for (left, right) in [("left", "right"), ("Left", "Right"), ("LEFT", "RIGHT")] {
         for (from, to) in [(left, right), (right, left)] {
@@ -181,7 +180,7 @@ pub fn counterpart(name: &str) -> String {
     words.collect()
 }
 
-/// A joint's image as a robot file writes it: `-right_hip`.
+/// A joint's image in the notation of robot files: `-right_hip`.
 pub fn written(robot: &Robot, (image, sign): (usize, f64)) -> String {
     format!("{}{}", if sign < 0.0 { "-" } else { "" }, robot.links[image].joint.name)
 }
@@ -196,8 +195,8 @@ pub fn mirrored(mirror: &[(usize, f64)], vector: &[f64]) -> Vec<f64> {
     mirror.iter().map(|&(image, sign)| sign * vector[image]).collect()
 }
 
-/// Height in m of the base origin above flat ground on which the lower sole stands in the default
-/// pose, base upright.
+/// Height in m of the base origin above flat ground that touches the lower sole in the default pose, base
+/// upright.
 pub fn standing_height(robot: &Robot) -> f64 {
     let kinematics = Kinematics::new(robot);
     -(0..2).map(|side| kinematics.sole(side).translation.z).fold(f64::INFINITY, f64::min)
@@ -264,7 +263,7 @@ mod tests {
     #[test]
     fn joints_on_one_axis_are_told_apart_by_their_names() {
         let mut robot = robot("tocabi");
-        // A second yaw joint in the place of the first one, on both sides: geometry alone cannot pair them.
+        // Replace the first yaw joint by a second one on both sides: geometry alone cannot pair them.
         for side in [0, 6] {
             robot.links[side + 1].joint.axis = robot.links[side].joint.axis;
             robot.links[side + 1].joint.origin = Isometry3::identity();
@@ -284,7 +283,7 @@ mod tests {
         assert_eq!(nearest.in_words(), "the axis of `R_HipYaw_Joint` is 100.0 mm off the image");
     }
 
-    /// Moves the origin of a joint along its own axis; the robot stays the same.
+    /// Moves the origin of a joint along its axis, which does not change the robot.
     fn slide(robot: &mut Robot, joint: usize, by: f64) {
         let shift = robot.links[joint].joint.axis.into_inner() * by;
         robot.links[joint].joint.origin *= Translation3::from(shift);
@@ -315,7 +314,7 @@ mod tests {
 
     #[test]
     fn a_leg_is_not_its_own_image() {
-        // Turned by a quarter about z, each leg of pitch joints alone lies in the plane of symmetry.
+        // Turned by 90 degrees about z, each leg with only pitch joints is in the plane of symmetry.
         let mut robot = robot("tocabi");
         let turn = rotation_about(&Vector3::z(), std::f64::consts::FRAC_PI_2);
         for link in robot.links.iter_mut().filter(|link| link.parent.is_none()) {

@@ -1,4 +1,4 @@
-//! URDF text of a robot. What URDF cannot say (armature, gains, default pose) stands in comments beside the
+//! URDF text of a robot. What URDF cannot express (armature, gains, default pose) is in comments next to the
 //! joint.
 
 use std::fmt::Write;
@@ -33,7 +33,7 @@ impl Writer {
         self.text.push('\n');
     }
 
-    /// A link; a foot has its sole in the place of other shapes, as in every engine.
+    /// A link; a foot has its sole instead of other shapes, as in every engine.
     fn link(&mut self, body: &Body, foot: Option<&Foot>) {
         let i = &body.inertia;
         self.line(format_args!("  <link name=\"{}\">", attribute(&body.name)));
@@ -96,7 +96,7 @@ impl Writer {
 }
 
 fn origin(pose: &Isometry3<f64>) -> String {
-    // Adding zero makes 0 of -0.
+    // Adding zero turns -0 into 0.
     let [roll, pitch, yaw] = fixed_angles(&pose.rotation).map(|angle| angle + 0.0);
     format!("<origin xyz=\"{}\" rpy=\"{roll} {pitch} {yaw}\"/>", triple(&pose.translation.vector))
 }
@@ -104,7 +104,7 @@ fn origin(pose: &Isometry3<f64>) -> String {
 /// Roll, pitch and yaw in rad about the fixed axes x, y, z: the rotation is Rz(yaw) Ry(pitch) Rx(roll).
 pub(super) fn fixed_angles(turn: &UnitQuaternion<f64>) -> [f64; 3] {
     let m = turn.to_rotation_matrix().into_inner();
-    // The arc tangent is exact near a pitch of 90 degrees too, where the arc sine is not.
+    // The arc tangent is precise even near a pitch of 90 degrees, where the arc sine is not.
     let level = libm::hypot(m.m11, m.m21);
     let pitch = libm::atan2(-m.m31, level);
     if level > 1e-9 {

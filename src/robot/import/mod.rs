@@ -1,10 +1,10 @@
-//! Robots from other programs' files: URDF and MJCF become `robots/NAME.toml`.
+//! Imports robots from other formats: converts URDF and MJCF to `robots/NAME.toml`.
 //!
-//! A file is read into a [`Tree`] of bodies as it stands, bodies whose joints are not selected are welded to
-//! what carries them, and the rest is written as a robot file. Nothing is invented: a figure that the file
-//! does not hold stands in the robot file as a commented line to fill in. Nothing outside the [`Folder`] is
-//! read, and every text, mesh and tree has a largest size; what is wrong is a diagnostic at its place (E0402
-//! to E0429). Frames that do not follow the convention of robot files are written anew.
+//! A file is read into a [`Tree`] of bodies without changes, bodies with unselected joints are welded to
+//! their parents, and the rest is written as a robot file. No values are invented: one that is missing in the
+//! file becomes a commented line to fill in. Only the [`Folder`] is read, and the size of every text, mesh
+//! and tree is limited; mistakes are diagnostics at their places (E0402 to E0429). Frames that violate the
+//! convention of robot files are rewritten.
 
 mod biped;
 mod block;
@@ -50,13 +50,13 @@ pub use write::{Origin, Written, idle, text};
 use crate::diag::{Diagnostic, Sink, Sources};
 use intake::Intake;
 
-/// Reads a URDF or MJCF file, whose texts come into the sources. `None` when anything is wrong; the
-/// diagnostics are in the sink then.
+/// Reads a URDF or MJCF file and adds its texts to the sources. `None` if anything is wrong; the diagnostics
+/// are then in the sink.
 pub fn read(path: &Path, folder: &Folder, sources: &mut Sources, sink: &mut Sink) -> Option<Tree> {
     read_with_key(path, None, folder, sources, sink)
 }
 
-/// The same with the name of the key frame that gives the default pose; without it that is the first one.
+/// The same with the name of the key frame for the default pose; if absent, the first one.
 pub fn read_with_key(
     path: &Path,
     key: Option<&str>,

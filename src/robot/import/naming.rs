@@ -2,10 +2,10 @@
 
 use crate::spec::suggest::listed;
 
-/// Names that are told; beyond them their number is.
+/// Maximum number of names listed; of the rest only the count is shown.
 const NAMED: usize = 3;
 
-/// Names for a remark; of very many the first and the number of the others.
+/// Names for a remark; of very many the first and the number of others.
 pub(super) fn some(names: &[&str]) -> String {
     match names.len() {
         count if count > NAMED + 1 => {

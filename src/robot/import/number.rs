@@ -1,13 +1,13 @@
-//! Numbers in the attributes of a description, and why a word is none.
+//! Parses numbers in the attributes of a description, and explains invalid ones.
 
-/// Why a word is not a number that can be used.
+/// Why a word is not a usable number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Fault {
     /// `inf`, `-Infinity`.
     Infinite,
     /// `nan`.
     Undefined,
-    /// `0x1F`, which some readers take.
+    /// `0x1F`, which some parsers accept.
     Hexadecimal,
     /// `0,25`.
     Comma,
@@ -15,12 +15,12 @@ pub(super) enum Fault {
     Other,
 }
 
-/// The number that a word is.
+/// Parses a number.
 pub(super) fn number(word: &str) -> Result<f64, Fault> {
     match word.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
         Ok(number) if number.is_nan() => Err(Fault::Undefined),
-        // A figure that is too large is a slip of its own.
+        // A number that is too large is a separate fault.
         Ok(_) if word.contains(|letter: char| letter.is_ascii_digit()) => Err(Fault::Other),
         Ok(_) => Err(Fault::Infinite),
         Err(_) => Err(fault(word)),
@@ -42,7 +42,7 @@ fn fault(word: &str) -> Fault {
 }
 
 impl Fault {
-    /// What a number is that the word is not.
+    /// The property that a number has and the word lacks.
     pub fn lacks(self) -> &'static str {
         match self {
             Self::Hexadecimal => "a decimal number",
@@ -62,7 +62,7 @@ impl Fault {
         }
     }
 
-    /// Whether a file that has it once has it everywhere, so that one message is enough.
+    /// Whether it is systematic in a file, so that one message is enough.
     pub fn is_habit(self) -> bool {
         self != Self::Other
     }

@@ -1,11 +1,11 @@
-//! Poses of URDF and the versions of the format, of which the later ones also know quaternions.
+//! Poses of URDF, and the versions of the format; later versions also have quaternions.
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use super::intake::{Intake, value};
 use super::xml::Element;
 
-/// The versions that are read; from the second on an origin may have a quaternion.
+/// The supported versions; from 1.1 on an origin may have a quaternion.
 const VERSIONS: [&str; 3] = ["1.0", "1.1", "1.2"];
 
 /// The pose of the `<origin>` inside an element.
@@ -37,7 +37,7 @@ fn quaternion(origin: &Element, intake: &mut Intake) -> Option<UnitQuaternion<f6
     turn
 }
 
-/// Says what a file has beyond the version that it claims.
+/// Reports an unknown version, and features beyond the stated one.
 pub(super) fn version(robot: &Element, intake: &mut Intake) {
     match robot.text("version").map(str::trim) {
         None | Some("1" | "1.0") if has_quaternion(robot) => intake.note(
@@ -61,6 +61,6 @@ pub(super) fn version(robot: &Element, intake: &mut Intake) {
 
 fn has_quaternion(element: &Element) -> bool {
     let own = element.name == "origin" && element.attribute("quat_xyzw").is_some();
-    // What is drawn is not imported.
+    // Visuals are not imported.
     own || element.children.iter().filter(|child| child.name != "visual").any(has_quaternion)
 }

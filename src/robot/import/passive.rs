@@ -1,6 +1,6 @@
-//! Joints that nothing drives: springs, rods of a linkage, toes. A robot file has motors only, so on a leg
-//! the user decides what becomes of them. Only MJCF says which these are: in URDF an effort limit that is
-//! missing or zero is unknown, and stays to be filled in.
+//! Joints without a drive: springs, rods of a linkage, toes. A robot file has only motors, so on a leg the
+//! user decides how to treat them. Only MJCF identifies them: in URDF an effort limit that is missing or zero
+//! is unknown, and has to be filled in.
 
 use regex::escape;
 
@@ -10,11 +10,11 @@ use super::selection::Selection;
 use super::tree::{Hinge, Tie, Tree};
 use crate::diag::Diagnostic;
 
-/// Ties that are told.
+/// Maximum number of constraints listed.
 const TOLD: usize = 4;
 
-/// The refusal of passive joints between the base and the feet (E0429), which the user neither selects nor
-/// fills.
+/// The error for passive joints between the base and the feet (E0429) that the user neither selects nor fills
+/// in.
 pub(super) fn refusal(kept: &[&Hinge], tree: &Tree, selection: &Selection) -> Option<Diagnostic> {
     if selection.joints.is_some() {
         return None;
@@ -59,7 +59,7 @@ pub(super) fn refusal(kept: &[&Hinge], tree: &Tree, selection: &Selection) -> Op
     })
 }
 
-/// Closed loops are told: they move such joints in the file, and not in the robot.
+/// Reports closed loops: they move such joints in the file, but not in the robot.
 fn loops(tree: &Tree) -> Option<String> {
     let closed = tree.ties.iter().filter_map(|tie| match tie {
         Tie::Bodies { ends: [one, other], by } => Some(format!("`{one}` to `{other}` ({by})")),
@@ -77,7 +77,7 @@ fn loops(tree: &Tree) -> Option<String> {
     })
 }
 
-/// Joints that follow a driven one are told: its motor may be theirs.
+/// Reports passive joints coupled to a driven one, which may be driven by its motor.
 fn followers(idle: &[&str], tree: &Tree) -> Option<String> {
     let led = tree.ties.iter().filter_map(|tie| match tie {
         Tie::Joints { follower, leader } if idle.contains(&follower.as_str()) => {
@@ -96,7 +96,7 @@ fn followers(idle: &[&str], tree: &Tree) -> Option<String> {
     })
 }
 
-/// What is said of passive joints that the user selects.
+/// The remark on passive joints that the user selects.
 pub(super) fn remark(kept: &[&Hinge], selection: &Selection) -> Option<String> {
     let names: Vec<&str> = passive(kept, selection).map(|hinge| hinge.name.as_str()).collect();
     let is_selected = selection.joints.is_some() && !names.is_empty();

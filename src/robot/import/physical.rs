@@ -1,4 +1,4 @@
-//! Physical checks of a tree as its file has it, at their places (E0405).
+//! Physical checks of a tree as read from its file, with places (E0405).
 
 use nalgebra::Matrix3;
 
@@ -6,12 +6,12 @@ use super::tree::{Hinge, Part, Tree};
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::robot::examine::{INERTIA, LENGTH, MASS};
 
-/// A figure that no rigid body or joint has.
+/// A value that is impossible for rigid bodies or joints.
 pub(super) fn impossible(message: String, span: Span) -> Diagnostic {
     Diagnostic::error("E0405", message).at(span, "")
 }
 
-/// Tells what is impossible.
+/// Reports impossible values.
 pub(super) fn check(tree: &Tree, sink: &mut Sink) {
     for part in &tree.parts {
         if let Some((message, help, span)) = beyond(part) {
@@ -34,12 +34,11 @@ fn placed(message: String, span: Option<Span>) -> Diagnostic {
     }
 }
 
-/// Distance in m from which on nothing can be computed; what is beyond [`LENGTH`] is told when the robot is
-/// written.
+/// Distance in m above which computations fail; those between [`LENGTH`] and this are reported when the robot
+/// is written.
 const FAR: f64 = 1e6;
 
-/// A figure of a body that no machine has, and with which nothing can be computed: what it is, the help, and
-/// its place.
+/// A value of a body that no machine has and that makes computations fail: message, help and place.
 fn beyond(part: &Part) -> Option<(String, &'static str, Option<Span>)> {
     let (name, mass, moment) = (&part.body.name, part.body.mass, part.body.inertia.amax());
     let far = |away: f64, what: String, span: Option<Span>| {
@@ -59,8 +58,8 @@ fn beyond(part: &Part) -> Option<(String, &'static str, Option<Span>)> {
         .or_else(|| far(part.pose.translation.vector.amax(), format!("`{name}`"), joint))
 }
 
-/// A body of a file may be a point or a frame, and one that is welded may be unsound by itself: what moves is
-/// checked when everything is welded. Negative figures are none of these.
+/// Only negative values are errors: a body of a file may be a point or a frame, and one that is welded may be
+/// invalid on its own. Moving bodies are checked after welding.
 fn body(part: &Part) -> Vec<(String, &'static str)> {
     let (name, mass) = (&part.body.name, part.body.mass);
     if mass < 0.0 {
@@ -70,20 +69,19 @@ fn body(part: &Part) -> Vec<(String, &'static str)> {
     fault.map(|fault| (format!("the inertia of `{name}` {fault}"), CURE)).into_iter().collect()
 }
 
-/// What helps where an inertia is that of no rigid body.
+/// Help for an inertia that no rigid body can have.
 pub(super) const CURE: &str = "no principal moment is negative, and none exceeds the sum of the other two: \
     mend the file, weld the body by leaving its joint out of --joints, or replace its moments by their mean \
     with --balance-inertia";
 
-/// Principal moments, the smallest first.
+/// Principal moments, smallest first.
 fn moments(tensor: &Matrix3<f64>) -> [f64; 3] {
     let mut moments: [f64; 3] = tensor.symmetric_eigenvalues().into();
     moments.sort_by(f64::total_cmp);
     moments
 }
 
-/// What rounding makes of a moment: a share of the largest, and no less than that of a milligram within a
-/// millimetre.
+/// Rounding error of a moment: relative to the largest one, and at least that of 1 mg at 1 mm.
 fn slack(high: f64) -> f64 {
     1e-6 * high.abs() + 1e-12
 }
@@ -102,8 +100,8 @@ pub(super) fn inertia(tensor: &Matrix3<f64>) -> Option<String> {
     })
 }
 
-/// The tree with the mean in place of the moments of bodies that no rigid body has, as MuJoCo's
-/// `balanceinertia` does it. What has no positive mean stays as it is.
+/// The tree with impossible moments of inertia replaced by their mean, as by MuJoCo's `balanceinertia`.
+/// Without a positive mean they are unchanged.
 pub(super) fn balanced(tree: &Tree) -> Tree {
     let mut tree = tree.clone();
     for part in &mut tree.parts {

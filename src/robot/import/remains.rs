@@ -1,5 +1,5 @@
-//! What welding and the choice of two feet take from a robot: joints that stop where they cannot be, joints
-//! of other kinds, further legs, and bodies that lose what they touch with.
+//! What a robot loses by welding and the choice of two feet: joints fixed outside their range, joints of
+//! other kinds, additional legs, and bodies without collision shapes.
 
 use std::collections::BTreeSet;
 
@@ -10,13 +10,13 @@ use super::tree::{Hinge, Part, Tree};
 use super::welded::{Moving, Welded};
 use crate::spec::suggest::listed;
 
-/// An end of the tree is a leg when it reaches so much of the depth of the feet below the base. Hanging arms
+/// An end of the tree is a leg if it reaches this share of the feet's depth below the base. Hanging arms
 /// reach about half.
 const REACH: f64 = 0.75;
-/// Or when it carries as many joints and, to this share, the same mass as the leg of a foot.
+/// Or if it has as many joints as the leg of a foot and, within this tolerance, the same mass.
 const ALIKE: f64 = 0.02;
 
-/// The remarks on a tree of which these joints were kept.
+/// The remarks on a tree, given the remaining joints.
 pub(super) fn remarks(tree: &Tree, kept: &[bool], welded: &Welded) -> Vec<String> {
     let loose = || {
         tree.parts.iter().zip(kept).filter(|(_, kept)| !**kept).filter_map(|(part, _)| part.hinge.as_ref())
@@ -33,7 +33,7 @@ pub(super) fn remarks(tree: &Tree, kept: &[bool], welded: &Welded) -> Vec<String
     lines
 }
 
-/// Joints that are welded where they can never be.
+/// Joints welded outside their range.
 fn outside<'a>(welded: impl Iterator<Item = &'a Hinge>) -> Option<String> {
     let ranges = welded.filter_map(|hinge| {
         let (lower, upper) = (hinge.lower.unwrap_or(f64::NEG_INFINITY), hinge.upper.unwrap_or(f64::INFINITY));
@@ -55,14 +55,14 @@ fn outside<'a>(welded: impl Iterator<Item = &'a Hinge>) -> Option<String> {
     ))
 }
 
-/// Joints that are welded at the positions of a key frame.
+/// Joints welded at the positions of a key frame.
 fn at_key<'a>(key: Option<&str>, welded: impl Iterator<Item = &'a Hinge>) -> Option<String> {
     let places: Vec<String> =
         welded.filter(|hinge| hinge.default_position.is_some()).filter_map(away_from_zero).collect();
     Some(format!("welded at the positions of the key frame `{}`: {}", key?, first(&places)?))
 }
 
-/// Joints that are welded where their springs are at rest.
+/// Joints welded at the rest positions of their springs.
 fn at_rest<'a>(welded: impl Iterator<Item = &'a Hinge>) -> Option<String> {
     let places: Vec<String> =
         welded.filter(|hinge| hinge.default_position.is_none()).filter_map(away_from_zero).collect();
@@ -75,7 +75,7 @@ fn away_from_zero(hinge: &Hinge) -> Option<String> {
     (place != 0.0).then(|| format!("`{}` at {} {unit}", hinge.name, short(place)))
 }
 
-/// Joints that are welded because a robot file has none of their kind.
+/// Joints welded because robot files do not support their kind.
 fn of_other_kinds<'a>(welded: impl Iterator<Item = &'a Hinge>) -> Option<String> {
     let kinds = welded.filter_map(|hinge| Some(format!("`{}` ({})", hinge.name, hinge.other.as_ref()?)));
     let kinds: Vec<String> = kinds.collect();
@@ -83,7 +83,7 @@ fn of_other_kinds<'a>(welded: impl Iterator<Item = &'a Hinge>) -> Option<String>
     Some(format!("welded, because the joints of a robot file turn independently of each other: {shown}"))
 }
 
-/// Of some texts the first, and the number of the others.
+/// The first of some texts, and the number of others.
 fn first(texts: &[String]) -> Option<String> {
     const SHOWN: usize = 4;
     match texts.len() {
@@ -95,7 +95,7 @@ fn first(texts: &[String]) -> Option<String> {
     }
 }
 
-/// A number of a range with as few digits as it needs.
+/// A number of a range with as few digits as necessary.
 fn short(value: f64) -> String {
     if value.is_infinite() {
         return if value < 0.0 { "no lower limit" } else { "no upper limit" }.to_owned();
@@ -103,7 +103,7 @@ fn short(value: f64) -> String {
     format!("{:.4}", value).parse::<f64>().unwrap_or(value).to_string()
 }
 
-/// The ends of the tree that are legs and no feet.
+/// The ends of the tree that are legs but not feet.
 fn legs(tree: &Tree, kept: &[bool], welded: &Welded) -> Option<String> {
     let index = |name: &str| tree.parts.iter().position(|part| part.body.name == name);
     let [left, right] = welded.feet.each_ref().map(|(link, _)| index(&welded.links[*link].body.name));
@@ -126,15 +126,15 @@ fn legs(tree: &Tree, kept: &[bool], welded: &Welded) -> Option<String> {
     })
 }
 
-/// The ends of the tree that hang on the leg of no foot: toes and rods are no legs of their own.
+/// The ends of the tree that are not on the leg of a foot: toes and rods are not separate legs.
 fn others(tree: &Tree, feet: [usize; 2]) -> Vec<usize> {
     let [left, right] = feet.map(|foot| above(tree, foot).collect::<BTreeSet<usize>>());
     let on_a_leg = |end: &usize| above(tree, *end).any(|body| left.contains(&body) != right.contains(&body));
     ends(tree).into_iter().filter(|end| !on_a_leg(end)).collect()
 }
 
-/// The ends that reach about as deep as the feet, on joints of their own, or are built alike; `up` is in the
-/// root's frame.
+/// The ends that reach about as deep as the feet, on their own joints, or have a similar structure; `up` is
+/// in the root frame.
 pub(super) fn further_legs(tree: &Tree, feet: [usize; 2], up: &Vector3<f64>) -> Vec<usize> {
     let depths = depths(tree, up);
     let shallow = feet.iter().map(|foot| depths[*foot]).fold(f64::INFINITY, f64::min);
@@ -151,7 +151,7 @@ fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
-/// The last bodies with joints that turn, of every branch of the tree.
+/// The last bodies with revolute joints, for every branch of the tree.
 fn ends(tree: &Tree) -> Vec<usize> {
     let turns = |part: &Part| part.hinge.as_ref().is_some_and(|hinge| hinge.other.is_none());
     let mut carries = vec![false; tree.parts.len()];
@@ -163,12 +163,12 @@ fn ends(tree: &Tree) -> Vec<usize> {
     (0..tree.parts.len()).filter(|index| turns(&tree.parts[*index]) && !carries[*index]).collect()
 }
 
-/// A body and all that carry it.
+/// A body and its ancestors.
 fn above(tree: &Tree, body: usize) -> impl Iterator<Item = usize> {
     std::iter::successors(Some(body), |body| tree.parts[*body].parent)
 }
 
-/// How deep below the base each body's joint is with all joints at zero, in m.
+/// Depth in m of each body's joint below the base, with all joints at zero.
 fn depths(tree: &Tree, up: &Vector3<f64>) -> Vec<f64> {
     let mut poses: Vec<Isometry3<f64>> = Vec::with_capacity(tree.parts.len());
     let mut depths = Vec::with_capacity(tree.parts.len());
@@ -181,8 +181,8 @@ fn depths(tree: &Tree, up: &Vector3<f64>) -> Vec<f64> {
     depths
 }
 
-/// How many turning joints an end hangs on, and the mass in kg of their bodies, without what carries several
-/// ends.
+/// The number of revolute joints above an end, and the mass in kg of their bodies, excluding those above
+/// several ends.
 fn chain(tree: &Tree, end: usize) -> [f64; 2] {
     let children = |body: usize| tree.parts.iter().filter(|part| part.parent == Some(body)).count();
     let mut joints = 0.0;
@@ -198,7 +198,7 @@ fn chain(tree: &Tree, end: usize) -> [f64; 2] {
     [joints, mass]
 }
 
-/// Joints that the file gives a range and does not limit.
+/// Joints with a range in the file that is not enforced.
 fn void_ranges(welded: &Welded) -> Option<String> {
     let mut ranges: Vec<([f64; 2], Vec<&str>)> = Vec::new();
     for hinge in welded.links.iter().map(|link| &link.hinge) {
@@ -221,7 +221,7 @@ fn void_ranges(welded: &Welded) -> Option<String> {
     })
 }
 
-/// Limits that the file gives as zero.
+/// Limits that are zero in the file.
 fn zeros(welded: &Welded) -> Option<String> {
     let of = |limit: &'static str| {
         let links = welded.links.iter().map(|link| &link.hinge);
@@ -240,7 +240,7 @@ fn zeros(welded: &Welded) -> Option<String> {
     (!limits.is_empty()).then(|| format!("limits of zero are taken for unknown: {}{idle}", limits.join(", ")))
 }
 
-/// Bodies with shapes in the file and none in the robot, and a robot without any.
+/// Bodies with shapes in the file but not in the robot, and a robot without any.
 fn shapeless(tree: &Tree, welded: &Welded) -> Vec<String> {
     let bare = |wanted: &dyn Fn(&Part) -> bool| -> Vec<&str> {
         let parts = tree.parts.iter().filter(|part| part.body.collisions.is_empty() && wanted(part));

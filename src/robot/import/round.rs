@@ -1,4 +1,4 @@
-//! Feet that are round: what the box of a sole makes of balls, capsules and cylinders, and wheels.
+//! Round feet: balls, capsules and cylinders whose sole is replaced by a box, and wheels.
 
 use nalgebra::Vector3;
 
@@ -7,13 +7,13 @@ use super::welded::Welded;
 use crate::diag::Diagnostic;
 use crate::robot::{Collision, Shape};
 
-/// Share of the sole's box below which the ground is touched in a point or a line.
+/// Share of the sole's box below which the contact with the ground is a point or a line.
 const NARROW: f64 = 0.25;
-/// Sine of the angle to the axle, and share of the radius, by which a wheel may miss its joint's axis.
+/// Maximum deviation of a wheel from its joint's axis: sine of the angle, and offset relative to the radius.
 const CENTRED: f64 = 0.1;
 
-/// How shapes touch level ground where that is a point or a line: a clause. `extent` is the size of the box
-/// around them in m.
+/// How shapes touch level ground if the contact is a point or a line: a clause. `extent` is the size of the
+/// box around them in m.
 pub(super) fn touch(shapes: &[&Collision], extent: &Vector3<f64>) -> Option<String> {
     let mut points: Vec<Vector3<f64>> = Vec::new();
     for collision in shapes {
@@ -31,7 +31,7 @@ pub(super) fn touch(shapes: &[&Collision], extent: &Vector3<f64>) -> Option<Stri
             Shape::Capsule(half, _) | Shape::Cylinder(half, _) => {
                 points.push(place - axis * (*half * axis.z.signum()))
             }
-            // The faces of a box are flat.
+            // A box has flat faces.
             Shape::Box(_) => return None,
         }
     }

@@ -1,18 +1,18 @@
-//! What the user chooses of a description.
+//! The user's choices for an import.
 
 use regex::Regex;
 
 use super::fill::Fill;
 
-/// Which joints stay joints and which bodies are the feet.
+/// Which joints to keep and which bodies are the feet.
 #[derive(Clone, Debug, Default)]
 pub struct Selection {
-    /// The joints that stay; without it those between the base and the feet.
+    /// The joints to keep; if absent those between the base and the feet.
     pub joints: Option<Regex>,
-    /// Names of the left and the right foot's body; without it the two lowest ends of the tree.
+    /// Names of the left and the right foot's body; if absent the two lowest ends of the tree.
     pub feet: Option<[String; 2]>,
-    /// Whether the moments of a body that no rigid body has are replaced by their mean.
+    /// Whether impossible moments of inertia are replaced by their mean.
     pub balance: bool,
-    /// Figures that are filled in; soles are looked at in the default pose that they give.
+    /// Filled-in values; soles are examined in the default pose that they define.
     pub fills: Vec<Fill>,
 }

@@ -1,4 +1,4 @@
-//! A robot as another program's file has it: a tree of bodies, SI units, in the order of the file.
+//! A robot as read from another format: a tree of bodies, SI units, in the order of the file.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use crate::diag::Span;
 use crate::robot::Body;
 use crate::robot::kinematics::rotation_about;
 
-/// Most bodies that a description may have.
+/// Maximum number of bodies in a description.
 pub(super) const MOST_BODIES: usize = 500;
 
 /// The bodies of a file, parents before children; the first is the root.
@@ -21,112 +21,110 @@ pub struct Tree {
     pub format: &'static str,
     /// The bodies.
     pub parts: Vec<Part>,
-    /// What could not be taken over as it is, in sentences.
+    /// Remarks on what could not be imported unchanged.
     pub notes: Vec<String>,
-    /// The upright world in which the file puts the robot, from the root's frame; the identity where it says
-    /// nothing.
+    /// Rotation from the root's frame to the file's upright world; the identity if the file has none.
     pub upright: UnitQuaternion<f64>,
-    /// Name of the key frame of which the default positions are.
+    /// Name of the key frame that the default positions come from.
     pub key: Option<String>,
-    /// World from the root's frame in the key frame of which the default positions are.
+    /// Rotation from the root's frame to the world in that key frame.
     pub stance: Option<UnitQuaternion<f64>>,
-    /// The boxes that stand for meshes.
+    /// The boxes that replace meshes.
     pub meshes: Vec<MeshBox>,
-    /// What ties bodies or joints together beside the tree.
+    /// Constraints between bodies or joints in addition to the tree.
     pub ties: Vec<Tie>,
 }
 
-/// A constraint of a file that a tree of joints does not have.
+/// A constraint of a file that a tree of joints cannot represent.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Tie {
-    /// Two bodies meet: a loop is closed. Their names, and the constraint with its own name.
+    /// Two bodies are connected, which closes a loop. Their names, and the constraint with its name.
     Bodies {
         /// The two bodies.
         ends: [String; 2],
         /// For example `<connect> rod`.
         by: String,
     },
-    /// A joint follows another one.
+    /// A joint is coupled to another one.
     Joints {
-        /// Name of the joint that follows.
+        /// Name of the coupled joint.
         follower: String,
-        /// Name of the joint that it follows.
+        /// Name of the joint that it is coupled to.
         leader: String,
     },
 }
 
-/// A box that stands for a mesh.
+/// A box that replaces a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshBox {
-    /// Name of the body that has it.
+    /// Name of its body.
     pub body: String,
     /// The box in the mesh's own axes, in m.
     pub block: Block,
     /// The mesh's file.
     pub path: PathBuf,
-    /// Factors from its points to m.
+    /// Scale factors from its points to m.
     pub scale: [f64; 3],
 }
 
-/// A body and how it hangs on its parent.
+/// A body and its connection to its parent.
 #[derive(Clone, Debug)]
 pub struct Part {
     /// Mass, centre of mass, inertia about it (body axes) and shapes, in the body's frame.
     pub body: Body,
-    /// Whether the file holds its mass.
+    /// Whether the file has its mass.
     pub weight: Weight,
     /// Index of the parent; `None` for the root.
     pub parent: Option<usize>,
     /// Pose of the body in its parent's frame, joint at zero.
     pub pose: Isometry3<f64>,
-    /// The joint; `None` for a body that is fixed to its parent, and for the root.
+    /// The joint; `None` for the root and for a body fixed to its parent.
     pub hinge: Option<Hinge>,
-    /// Where the file gives its mass, or else the body.
+    /// Place of its mass in the file, otherwise of the body.
     pub span: Option<Span>,
-    /// The shapes that the file gives it.
+    /// Its shapes in the file.
     pub shapes: Shapes,
 }
 
-/// How many shapes a file gives a body, whether they are imported or not.
+/// Numbers of shapes of a body in the file, imported or not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Shapes {
     /// Those that collide.
     pub colliding: usize,
-    /// Those that touch nothing, because their contact masks are zero.
+    /// Those that do not, because their contact masks are zero.
     pub idle: usize,
 }
 
-/// What a file says of the mass of a body.
+/// What a file contains about the mass of a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Weight {
     /// Mass, centre of mass and inertia.
     #[default]
     Given,
-    /// Nothing, so the body is a frame without mass.
+    /// None, so the body is a frame without mass.
     Absent,
-    /// That it has a mass which cannot be told without inventing it.
+    /// It has a mass, but the value is unknown.
     Unknown,
 }
 
-/// A joint with the figures that its file holds.
+/// A joint with the values in its file.
 #[derive(Clone, Debug, Default)]
 pub struct Hinge {
     /// Its name.
     pub name: String,
-    /// What it is when it is not revolute: `prismatic`, `ball`. Such a joint can only be welded.
+    /// Its kind if it is not revolute: `prismatic`, `ball`. Such a joint can only be welded.
     pub other: Option<String>,
     /// Point of the axis in the body's frame, in m.
     pub anchor: Vector3<f64>,
     /// Axis in the body's frame.
     pub axis: Option<Unit<Vector3<f64>>>,
-    /// Lower limit in rad; of a joint that slides in m.
+    /// Lower limit in rad; in m for a sliding joint.
     pub lower: Option<f64>,
-    /// Upper limit in rad; of a joint that slides in m.
+    /// Upper limit in rad; in m for a sliding joint.
     pub upper: Option<f64>,
-    /// The range in rad that the file gives a joint which it calls continuous or not limited: it does not
-    /// count.
+    /// The ignored range in rad of a joint that the file declares continuous or unlimited.
     pub void_range: Option<[f64; 2]>,
-    /// The limits that the file gives as zero, which stands for one that is not known.
+    /// Limits that are zero in the file, which stands for unknown.
     pub zeros: Vec<&'static str>,
     /// Effort limit in N m.
     pub effort_limit: Option<f64>,
@@ -144,12 +142,11 @@ pub struct Hinge {
     pub damping_gain: Option<f64>,
     /// Default position in rad.
     pub default_position: Option<f64>,
-    /// Whether the file drives other joints and not this one.
+    /// Whether it has no drive although other joints of the file do.
     pub passive: bool,
-    /// The position in rad at which the spring of a joint that nothing drives is at rest; of one that slides
-    /// in m.
+    /// The rest position in rad of the spring of a joint without a drive; in m for a sliding joint.
     pub rest: Option<f64>,
-    /// Where it stands.
+    /// Its place.
     pub span: Option<Span>,
 }
 
@@ -161,8 +158,8 @@ impl Tree {
 }
 
 impl Tree {
-    /// The tree with the joints that are not kept turned to their positions in the key frame, in which the
-    /// file's pose is that of the whole robot; without a key frame they are at zero.
+    /// The tree with the welded joints at their positions in the key frame, where the file's pose is that of
+    /// the whole robot; without a key frame they are at zero.
     pub(super) fn posed(&self, kept: &[bool]) -> Self {
         let mut tree = self.clone();
         for (part, kept) in tree.parts.iter_mut().zip(kept) {
@@ -175,25 +172,25 @@ impl Tree {
 }
 
 impl Hinge {
-    /// Whether it slides: its positions are in m.
+    /// Whether it is a sliding joint, with positions in m.
     pub(super) fn slides(&self) -> bool {
         self.other.as_ref().is_some_and(|kind| kind.contains("prismatic") || kind.contains("slide"))
     }
 
-    /// The position in rad, of a joint that slides in m, at which it is welded: that of the key frame, or
-    /// where its spring is at rest, or zero.
+    /// The position at which it is welded, in rad (in m for a sliding joint): that of the key frame, else the
+    /// rest position of its spring, else zero.
     pub(super) fn welded_at(&self) -> f64 {
         let moves = self.other.is_none() || self.slides();
         self.default_position.or(self.rest).filter(|position| moves && position.is_finite()).unwrap_or(0.0)
     }
 
-    /// Whether the position at which it is welded is none that it can have.
+    /// Whether it is welded outside its range.
     pub(super) fn is_welded_outside(&self) -> bool {
         let (lower, upper) = (self.lower.unwrap_or(f64::NEG_INFINITY), self.upper.unwrap_or(f64::INFINITY));
         lower > self.welded_at() + 1e-9 || upper < self.welded_at() - 1e-9
     }
 
-    /// What the joint does at a position to the body, in the body's frame at zero.
+    /// The body's motion due to the joint position, in the body's frame at zero.
     fn motion(&self, position: f64) -> Isometry3<f64> {
         let Some(axis) = self.axis.filter(|_| position != 0.0) else { return Isometry3::identity() };
         if self.slides() {

@@ -14,7 +14,7 @@ use super::xml::{self, Element};
 use crate::robot::checks::positive;
 use crate::robot::{Body, Collision, Shape};
 
-/// The joints of a file by the links that they carry and are carried by.
+/// The joints of a file with the links that they connect.
 struct Graph<'a> {
     /// The links by name.
     links: &'a BTreeMap<String, &'a Element>,
@@ -24,7 +24,7 @@ struct Graph<'a> {
 
 /// The tree of a URDF file, links in the order of their joints in the file.
 pub(super) fn tree(root: &Element, from: &Path, intake: &mut Intake) -> Option<Tree> {
-    // Every link is read before the tree is judged, so that all mistakes are told at once.
+    // All links are read before the tree is checked, so that all mistakes are reported at once.
     let links = links(root, intake)?;
     let named = root.all("link").filter_map(|link| Some((link.text("name")?, link)));
     let mut parts: BTreeMap<&str, Part> =
@@ -48,7 +48,7 @@ pub(super) fn tree(root: &Element, from: &Path, intake: &mut Intake) -> Option<T
         tree.parts.push(part);
         let below = graph.joints.iter().enumerate().filter(|(_, (_, parent, _))| parent == link);
         open.extend(below.map(|(joint, _)| Reverse(joint)));
-        // Of all links that could come next, the one whose joint stands first in the file.
+        // Of all possible next links, the one whose joint comes first in the file.
         next = open.pop().map(|Reverse(joint)| (graph.joints[joint].2.as_str(), Some(joint)));
     }
     if let Some((joint, ..)) = graph.joints.iter().find(|(_, parent, _)| !index.contains_key(parent.as_str()))
@@ -144,7 +144,7 @@ impl<'a> Graph<'a> {
         None
     }
 
-    /// The one link that hangs on nothing.
+    /// The only link without a parent.
     fn root(&self, robot: &Element, intake: &mut Intake) -> Option<&str> {
         let hangs = |name: &str| self.joints.iter().any(|(_, _, child)| child == name);
         let roots: Vec<(&String, &&Element)> = self.links.iter().filter(|(name, _)| !hangs(name)).collect();
@@ -172,7 +172,7 @@ impl<'a> Graph<'a> {
     }
 }
 
-/// A link by itself.
+/// A link without its joint.
 fn part(link: &Element, from: &Path, intake: &mut Intake) -> Part {
     let name = link.text("name").unwrap_or_default();
     let mut body = massless(name);
@@ -275,15 +275,15 @@ fn hinge(joint: &Element, intake: &mut Intake) -> Option<Hinge> {
         limits(limit, kind == "continuous", &mut hinge, intake);
     }
     if let Some(dynamics) = joint.child("dynamics") {
-        // An attribute that is not there is zero in URDF; without the element nothing is said.
+        // A missing attribute is zero in URDF; if the element is missing, the value is unknown.
         hinge.damping = Some(intake.number(dynamics, "damping").unwrap_or(0.0));
         hinge.friction = Some(intake.number(dynamics, "friction").unwrap_or(0.0));
     }
     Some(hinge)
 }
 
-/// Limits; a zero effort or velocity stands in many files for one that is not known, and so do two zeros for
-/// a range.
+/// Reads limits. In many files an effort or velocity of zero stands for unknown, and so does a range of two
+/// zeros.
 fn limits(limit: &Element, is_continuous: bool, hinge: &mut Hinge, intake: &mut Intake) {
     let range = [intake.number(limit, "lower"), intake.number(limit, "upper")];
     match range {
@@ -291,7 +291,7 @@ fn limits(limit: &Element, is_continuous: bool, hinge: &mut Hinge, intake: &mut 
         [Some(0.0), Some(0.0)] => hinge.zeros.push("range"),
         [lower, upper] if is_continuous => {
             let given = lower.is_some() || upper.is_some();
-            // What is not there is zero in URDF.
+            // A missing attribute is zero in URDF.
             hinge.void_range = given.then(|| range.map(|limit| limit.unwrap_or(0.0)));
         }
         [lower, upper] => (hinge.lower, hinge.upper) = (lower, upper),

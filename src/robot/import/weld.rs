@@ -1,4 +1,4 @@
-//! Welding: what hangs on a joint that is not selected becomes part of the body that carries it.
+//! Welding: bodies on joints that are not selected become part of their parents.
 
 use std::collections::BTreeMap;
 
@@ -19,7 +19,8 @@ use crate::diag::{Diagnostic, Sink, Span};
 use crate::robot::checks::{self, MOST_JOINTS};
 use crate::robot::{Body, Collision};
 
-/// Welds what is not selected. `None` when what remains is no robot; the diagnostics are in the sink then.
+/// Welds bodies on unselected joints. `None` if the rest is not a valid robot; the diagnostics are in the
+/// sink.
 pub fn weld(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Option<Welded> {
     let balanced = selection.balance.then(|| physical::balanced(tree));
     let tree = balanced.as_ref().unwrap_or(tree);
@@ -45,11 +46,11 @@ fn welded(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Result<Welded,
         notes: tree.notes.clone(),
     };
     welded.notes.extend(root.remark(tree));
-    // Of every body of the file: what it became part of, and its pose there.
+    // For each body of the file: the body it became part of, and its pose there.
     let mut places: Vec<(Owner, Isometry3<f64>)> = Vec::with_capacity(tree.parts.len());
     for (index, (part, kept)) in tree.parts.iter().zip(kept.iter().copied()).enumerate() {
         let (owner, carrier) = part.parent.map_or((None, root.pose.inverse()), |parent| places[parent]);
-        // The base's own frame to the bit.
+        // Exactly the base's own frame.
         let pose = if index == root.body { Isometry3::identity() } else { carrier * part.pose };
         let place = welded.take(part, kept, (owner, &pose));
         if part.weight == Weight::Unknown {
@@ -101,7 +102,8 @@ fn welded(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Result<Welded,
 }
 
 impl Welded {
-    /// Adds a body of the file at its pose in its owner; returns what it became part of and its pose there.
+    /// Adds a body of the file at its pose in its owner; returns the body it became part of, and its pose
+    /// there.
     fn take(
         &mut self,
         part: &Part,
@@ -136,12 +138,10 @@ impl Welded {
     }
 }
 
-/// Moments of inertia together, by mass, below which there are none: those of a body of 30 micrometres, in
-/// m^2.
+/// Minimum sum of the moments of inertia relative to the mass, in m^2: that of a body of 30 micrometres.
 const NO_INERTIA: f64 = 1e-9;
 
-/// Judges the bodies that move: one whose parts say nothing of a mass is to be filled in, one that cannot be
-/// is told.
+/// Checks the moving bodies: one whose parts have no mass must be filled in, an impossible one is reported.
 fn judge(tree: &Tree, welded: &mut Welded, places: &[(Owner, Isometry3<f64>)], sink: &mut Sink) {
     let parts = |owner: Owner| tree.parts.iter().zip(places).filter(move |(_, place)| place.0 == owner);
     let mut notes = Vec::new();
@@ -196,7 +196,7 @@ fn judge(tree: &Tree, welded: &mut Welded, places: &[(Owner, Isometry3<f64>)], s
     welded.notes.extend(notes);
 }
 
-/// Of every moving body the boxes of its parts that stand for meshes.
+/// For each moving body the boxes of its parts that replace meshes.
 fn meshes<'a>(tree: &'a Tree, places: &[(Owner, Isometry3<f64>)]) -> BTreeMap<usize, Vec<&'a MeshBox>> {
     let mut meshes: BTreeMap<usize, Vec<&MeshBox>> = BTreeMap::new();
     for mesh in &tree.meshes {
@@ -208,7 +208,7 @@ fn meshes<'a>(tree: &'a Tree, places: &[(Owner, Isometry3<f64>)]) -> BTreeMap<us
     meshes
 }
 
-/// Of every body of the file whether its joint stays one.
+/// For each body of the file whether its joint is kept.
 fn kept(tree: &Tree, selection: &Selection) -> Result<Vec<bool>, Diagnostic> {
     let selected = |hinge: &Hinge| match &selection.joints {
         Some(pattern) => pattern.is_match(&hinge.name),
@@ -228,7 +228,7 @@ fn kept(tree: &Tree, selection: &Selection) -> Result<Vec<bool>, Diagnostic> {
                 }
             },
         };
-        // Fewer than two ends are told where the feet are looked for.
+        // Fewer than two ends are reported by the search for the feet.
         if selection.feet.is_some() || feet.len() == 2 {
             let needed = above(tree, &feet);
             kept.iter_mut().zip(needed).for_each(|(kept, needed)| *kept &= needed);
@@ -254,14 +254,14 @@ fn kept(tree: &Tree, selection: &Selection) -> Result<Vec<bool>, Diagnostic> {
         return Err(placed("E0407", message, hinge)
             .help("select fewer with --joints REGEX, or the legs alone with --feet LEFT,RIGHT"));
     }
-    // Feet that are named and hang on no joint are told by their names.
+    // Named feet without joints are reported by name.
     if count == 0 && (selection.joints.is_some() || selection.feet.is_none()) {
         return Err(no_joint(tree, selection));
     }
     Ok(kept)
 }
 
-/// Nothing is kept (E0402).
+/// E0402: no joint is kept.
 fn no_joint(tree: &Tree, selection: &Selection) -> Diagnostic {
     let joints = tree.parts.iter().filter_map(|part| part.hinge.as_ref());
     let names: Vec<String> = joints
@@ -287,7 +287,7 @@ fn no_joint(tree: &Tree, selection: &Selection) -> Diagnostic {
     Diagnostic::error("E0402", message).help(help)
 }
 
-/// Of some texts the first, and the number of the others.
+/// The first of some texts, and the number of others.
 fn first(texts: &[String], shown: usize) -> String {
     match texts.len().saturating_sub(shown) {
         0 => texts.join(", "),
@@ -295,7 +295,7 @@ fn first(texts: &[String], shown: usize) -> String {
     }
 }
 
-/// Of every body of the file whether a foot hangs on it.
+/// For each body of the file whether it carries a foot.
 fn above(tree: &Tree, feet: &[usize]) -> Vec<bool> {
     let mut above = vec![false; tree.parts.len()];
     for foot in feet {
@@ -308,7 +308,7 @@ fn above(tree: &Tree, feet: &[usize]) -> Vec<bool> {
     above
 }
 
-/// Adds a body at a pose to another one (parallel axes).
+/// Adds a body at a pose to another one (parallel axis theorem).
 pub(super) fn join(whole: &mut Body, part: &Body, pose: &Isometry3<f64>) {
     for collision in &part.collisions {
         whole.collisions.push(Collision { shape: collision.shape.clone(), pose: pose * collision.pose });
@@ -333,7 +333,7 @@ pub(super) fn join(whole: &mut Body, part: &Body, pose: &Isometry3<f64>) {
 mod tests {
     use super::*;
 
-    /// A body of point masses: mass, centre and inertia by direct sums.
+    /// A body made of point masses: mass, centre and inertia by direct sums.
     fn cluster(points: &[(f64, Vector3<f64>)]) -> Body {
         let mut body = massless("cluster");
         body.mass = points.iter().map(|(mass, _)| mass).sum();

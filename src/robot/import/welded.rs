@@ -1,4 +1,4 @@
-//! What is left after welding: the bodies that move, and the feet.
+//! The result of welding: the moving bodies and the feet.
 
 use std::collections::BTreeMap;
 
@@ -11,27 +11,26 @@ use crate::robot::{Body, Foot, Joint, Link, Robot};
 /// A tree of selected joints.
 #[derive(Clone, Debug)]
 pub struct Welded {
-    /// The base with everything that is welded to it.
+    /// The base with everything welded to it.
     pub base: Body,
-    /// Whether the base's mass is to be filled in.
+    /// Whether the base's mass has to be filled in.
     pub weigh_base: bool,
-    /// Of bodies whose masses are to be filled in, the parts of which the file does not say them; `None` is
-    /// the base.
+    /// For bodies whose masses have to be filled in, the parts with unknown mass; `None` is the base.
     pub unweighed: BTreeMap<Option<usize>, Vec<String>>,
     /// The moving bodies in the order of the file.
     pub links: Vec<Moving>,
-    /// Left and right foot; the box is absent when the foot has no shape.
+    /// Left and right foot; the box is absent if the foot has no shape.
     pub feet: [(usize, Option<Block>); 2],
-    /// Names of the joints that were welded, at their position zero.
+    /// Names of the joints that were welded, at position zero.
     pub fixed: Vec<String>,
-    /// What could not be taken over as it is, in sentences.
+    /// Remarks on what could not be imported unchanged.
     pub notes: Vec<String>,
 }
 
 /// A moving body.
 #[derive(Clone, Debug)]
 pub struct Moving {
-    /// The body with everything that is welded to it.
+    /// The body with everything welded to it.
     pub body: Body,
     /// Index of its parent; `None` is the base.
     pub parent: Option<usize>,
@@ -39,11 +38,11 @@ pub struct Moving {
     pub origin: Isometry3<f64>,
     /// The joint.
     pub hinge: Hinge,
-    /// Whether its mass is to be filled in.
+    /// Whether its mass has to be filled in.
     pub weigh: bool,
 }
 
-/// Where a body of the file went: `None` is the base.
+/// The body that a body of the file became part of: `None` is the base.
 pub(super) type Owner = Option<usize>;
 
 impl Welded {
@@ -52,8 +51,7 @@ impl Welded {
         self.links.iter().map(|link| &link.hinge)
     }
 
-    /// The tree as a robot whose unknown figures are zero: its geometry is right, nothing else may be read
-    /// from it.
+    /// The tree as a robot whose unknown values are zero: only its geometry is valid.
     pub fn skeleton(&self) -> Robot {
         let link = |moving: &Moving| {
             let hinge = &moving.hinge;

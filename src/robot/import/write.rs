@@ -1,5 +1,5 @@
-//! The robot file of a welded tree: every figure that the source has, and a line to fill in for every one it
-//! has not.
+//! Writes the robot file of a welded tree: every value of the source, and a line to fill in for each missing
+//! one.
 
 use std::fmt::Write;
 
@@ -15,7 +15,7 @@ use crate::robot::symmetry;
 use crate::robot::urdf::fixed_angles;
 use crate::robot::{Body, Collision, Kinematics, Shape};
 
-/// Where the figures come from, for the file's head.
+/// The origin of the values, for the file's header.
 #[derive(Clone, Debug)]
 pub struct Origin<'a> {
     /// The robot's name: that of its file.
@@ -24,19 +24,19 @@ pub struct Origin<'a> {
     pub source: &'a str,
     /// `URDF` or `MJCF`.
     pub format: &'a str,
-    /// Figures for joints that the source says nothing about; of several that fit, the last.
+    /// Values for joints that the source lacks; the last match counts.
     pub fills: &'a [Fill],
 }
 
-/// A robot file and what its author has to know.
+/// A robot file and what its author needs to know.
 #[derive(Clone, Debug)]
 pub struct Written {
     /// The text of the file.
     pub text: String,
-    /// The keys to fill in (`left_knee: effort_limit`), those last of which the source has a figure that does
-    /// not count.
+    /// The keys to fill in (`left_knee: effort_limit`); at the end those whose value in the source is
+    /// ignored.
     pub missing: Vec<String>,
-    /// What could not be taken over as it is, in sentences, each once.
+    /// Remarks on what could not be imported unchanged, each once.
     pub notes: Vec<String>,
 }
 
@@ -92,7 +92,7 @@ pub fn text(welded: &Welded, origin: &Origin) -> Written {
     Written { text, missing, notes }
 }
 
-/// The lines without repetitions, with the number of times each stood there.
+/// The lines without repetitions, with the number of occurrences of each.
 fn each_once(lines: &[String]) -> Vec<String> {
     let mut counted: Vec<(&String, usize)> = Vec::new();
     for line in lines {
@@ -107,7 +107,7 @@ fn each_once(lines: &[String]) -> Vec<String> {
     counted.into_iter().map(shown).collect()
 }
 
-/// Missing figures (`left_knee: effort_limit`) by their key: one line for what all joints lack.
+/// Missing values (`left_knee: effort_limit`) by their key: one line for what all joints lack.
 fn by_key(missing: &[String], joints: usize) -> Vec<String> {
     let mut keys: Vec<(&str, Vec<&str>)> = Vec::new();
     for (owner, key) in missing.iter().filter_map(|entry| entry.split_once(": ")) {
@@ -132,7 +132,7 @@ fn by_key(missing: &[String], joints: usize) -> Vec<String> {
 struct Writer<'a> {
     text: String,
     missing: Vec<String>,
-    /// The keys of which the source has a figure that does not count.
+    /// The keys whose value in the source is ignored.
     void: Vec<String>,
     notes: Vec<String>,
     fills: &'a [Fill],
@@ -149,7 +149,7 @@ impl Writer<'_> {
         self.body(&welded.base, welded.weigh_base.then(|| unknown(welded, None)));
     }
 
-    /// A body; `unknown` are the parts without a mass of one whose mass is to be filled in.
+    /// A body; `unknown` are the parts without a mass if it has to be filled in.
     fn body(&mut self, body: &Body, unknown: Option<&[String]>) {
         if let Some(unknown) = unknown {
             self.unweighed(body, unknown);
@@ -168,7 +168,7 @@ impl Writer<'_> {
         self.line(format_args!("]"));
     }
 
-    /// The mirror image of every joint, as far as the two sides mirror each other.
+    /// The mirror image of every joint, if the two sides mirror each other.
     fn images(&mut self, welded: &Welded) -> Vec<String> {
         let skeleton = welded.skeleton();
         match symmetry::mirror_map(&skeleton) {
@@ -187,7 +187,7 @@ impl Writer<'_> {
         }
     }
 
-    /// The lines of a body whose mass the source does not say. What it says of some parts stands in them.
+    /// The lines of a body with unknown mass, including the known masses of its parts.
     fn unweighed(&mut self, body: &Body, unknown: &[String]) {
         let moments = ["ixx", "iyy", "izz", "ixy", "ixz", "iyz"]
             .map(|key| format!("{key} = \"... kg*m^2\""))
@@ -283,7 +283,7 @@ impl Writer<'_> {
         }
     }
 
-    /// A foot with its sole, or with lines to fill in that offer the mirror image of the other one.
+    /// A foot with its sole, or lines to fill in that suggest the mirror image of the other foot's.
     fn foot(&mut self, side: &str, link: &str, sole: Option<Block>, image: Option<Block>) {
         self.line(format_args!("\n[feet.{side}]\nlink = {}", quoted(link)));
         if let Some(Block { centre, half }) = sole {
@@ -314,7 +314,7 @@ fn image_of(welded: &Welded, from: usize, to: usize, sole: Block) -> Option<Bloc
     let centre = reflection * (pose(from) * Point3::from(sole.centre)).coords;
     let turn = |link: usize| pose(link).rotation.to_rotation_matrix().into_inner();
     let axes = turn(to).transpose() * reflection * turn(from);
-    // Extents along axes that are not those of the other foot say nothing.
+    // Extents along other axes than those of the other foot cannot be used.
     let along = axes.iter().all(|entry| entry.abs() < 0.01 || entry.abs() > 0.99);
     along.then(|| Block {
         centre: (pose(to).inverse() * Point3::from(centre)).coords,
@@ -322,7 +322,7 @@ fn image_of(welded: &Welded, from: usize, to: usize, sole: Block) -> Option<Bloc
     })
 }
 
-/// The figures that are filled in and have no effect, with what the file says in their place.
+/// Filled-in values without effect, and the file's values that take precedence.
 pub fn idle(welded: &Welded, fills: &[Fill]) -> Vec<String> {
     let known = |fill: &Fill, hinge: &Hinge| {
         FIGURES.iter().zip(figures(hinge)).any(|((key, ..), value)| *key == fill.key && value.is_some())
@@ -335,7 +335,7 @@ pub fn idle(welded: &Welded, fills: &[Fill]) -> Vec<String> {
     idle.map(Fill::to_string).collect()
 }
 
-/// What a file says of a joint, in the order of [`FIGURES`].
+/// A joint's values in the file, in the order of [`FIGURES`].
 fn figures(hinge: &Hinge) -> [Option<f64>; 10] {
     [
         hinge.lower,
@@ -351,7 +351,7 @@ fn figures(hinge: &Hinge) -> [Option<f64>; 10] {
     ]
 }
 
-/// The parts of a body of which the source does not say the mass.
+/// The parts of a body with unknown mass.
 fn unknown(welded: &Welded, owner: Option<usize>) -> &[String] {
     welded.unweighed.get(&owner).map_or(&[], Vec::as_slice)
 }
@@ -410,11 +410,11 @@ fn angles(turn: &UnitQuaternion<f64>) -> String {
 /// A number with twelve significant digits.
 fn number(value: f64) -> String {
     let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
-    // Rounding noise of rotations, far below a micrometre and a microgram square metre.
+    // Rounding errors of rotations, far below a micrometre and a microgram square metre.
     if rounded.abs() < 1e-13 { "0".to_owned() } else { rounded.to_string() }
 }
 
-/// A number that TOML takes as a float.
+/// A number that TOML parses as a float.
 fn decimal(value: f64) -> String {
     let text = number(value);
     if text.contains('.') { text } else { text + ".0" }

@@ -1,11 +1,10 @@
-//! Xacro, the macros from which URDF is made: what a file has left of them is one mistake, however often it
-//! stands there.
+//! Xacro, the macro language of URDF: all its remains in a file are reported as one mistake.
 
 use super::intake::Intake;
 use super::xml::{Element, unexpanded};
 use crate::diag::Span;
 
-/// Tells a file with elements or expressions of xacro; `None` then.
+/// Reports elements or expressions of xacro; then returns `None`.
 pub(super) fn refuse(root: &Element, intake: &mut Intake) -> Option<()> {
     let mut places = Vec::new();
     gather(root, &mut places);
@@ -17,7 +16,7 @@ pub(super) fn refuse(root: &Element, intake: &mut Intake) -> Option<()> {
 /// The places of xacro in an element, in the order of the text.
 fn gather(element: &Element, places: &mut Vec<Span>) {
     if element.space.contains("xacro") {
-        // What is in a macro is of the macro.
+        // The contents of a macro are not reported separately.
         places.push(element.span);
         return;
     }
@@ -59,10 +58,10 @@ mod tests {
             "{head}\n<link name=\"l\"><visual><mesh filename=\"$(find arm)/a.stl\"/></visual></link></robot>"
         );
         assert_eq!(told(&found), [(SAID.to_owned(), 3)]);
-        // Without its name space the file is no XML either.
+        // Without its namespace declaration the file is not valid XML either.
         let bare = told("<robot name=\"r\">\n<xacro:arm/>\n<xacro:leg/></robot>");
         assert_eq!(bare, [(SAID.to_owned(), 2)]);
-        // What xacro writes declares the name space and uses it no more.
+        // The output of xacro declares the namespace but does not use it.
         assert_eq!(told(&format!("{head}{link}</robot>")), []);
     }
 }

@@ -1,33 +1,33 @@
-//! XML as a tree of elements that know their place in the text. Knows the limits of a robot's description,
-//! not what its elements mean.
+//! XML as a tree of elements with their places in the text. Enforces the limits of robot descriptions,
+//! independent of the meaning of elements.
 //!
-//! Document type declarations are refused, so no entity is ever expanded and none is fetched.
+//! Document type declarations are rejected, so no entity is ever expanded or fetched.
 
 use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::diag::{Diagnostic, SourceId, Sources, Span};
 
-/// Largest size of a description in bytes.
+/// Maximum size of a description in bytes.
 pub(super) const LARGEST_TEXT: u64 = 16 << 20;
-/// Most elements of a description, with everything that it includes.
+/// Maximum number of elements of a description, including included files.
 pub(super) const MOST_ELEMENTS: usize = 20_000;
-/// Most attributes of an element.
+/// Maximum number of attributes of an element.
 const MOST_ATTRIBUTES: usize = 100;
-/// Deepest nesting of elements.
+/// Maximum nesting of elements.
 const DEEPEST: usize = 200;
 
 /// An element.
 #[derive(Clone, Debug)]
 pub(super) struct Element {
-    /// Its name without a prefix.
+    /// Its name without the prefix.
     pub name: String,
-    /// The address of its name space; empty for most.
+    /// The URI of its namespace; empty for most.
     pub space: String,
     /// Its attributes, in the order of the text.
     pub attributes: Vec<Attribute>,
     /// The elements inside it.
     pub children: Vec<Element>,
-    /// Where its tag begins.
+    /// Place of its tag.
     pub span: Span,
 }
 
@@ -38,12 +38,12 @@ pub(super) struct Attribute {
     pub name: String,
     /// Its value.
     pub value: String,
-    /// Where the value stands.
+    /// Place of the value.
     pub span: Span,
 }
 
 impl Element {
-    /// An attribute by its name.
+    /// An attribute by name.
     pub fn attribute(&self, name: &str) -> Option<&Attribute> {
         self.attributes.iter().find(|attribute| attribute.name == name)
     }
@@ -53,23 +53,23 @@ impl Element {
         self.attribute(name).map(|attribute| attribute.value.as_str())
     }
 
-    /// The first element of a name inside it.
+    /// The first child with this name.
     pub fn child(&self, name: &str) -> Option<&Element> {
         self.children.iter().find(|child| child.name == name)
     }
 
-    /// All elements of a name inside it.
+    /// All children with this name.
     pub fn all<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Element> + 'a {
         self.children.iter().filter(move |child| child.name == name)
     }
 
-    /// Where the value of an attribute stands, or else the element.
+    /// The place of an attribute's value, otherwise of the element.
     pub fn place(&self, name: &str) -> Span {
         self.attribute(name).map_or(self.span, |attribute| attribute.span)
     }
 }
 
-/// The outermost element of a text that was added to the sources; `room` is how many elements it may have.
+/// The root element of a text in the sources; `room` is the maximum number of elements.
 pub(super) fn parse(sources: &Sources, source: SourceId, room: usize) -> Result<Element, Diagnostic> {
     let text = &*sources.get(source).text;
     if let Some(crowd) = crowded(text) {
@@ -88,19 +88,19 @@ pub(super) fn parse(sources: &Sources, source: SourceId, room: usize) -> Result<
     element(&root, source, 0)
 }
 
-/// The element of a text that has too many attributes. The parser compares each with all others, so their
-/// number is bounded before it starts.
+/// The first tag of a text with too many attributes. The parser compares all pairs of them, so their number
+/// is checked beforehand.
 pub(super) fn crowded(text: &str) -> Option<&str> {
     text.split('<').find(|piece| piece.matches('=').count() > 10 * MOST_ATTRIBUTES)
 }
 
-/// A description that is too large to be a robot's (E0415).
+/// E0415: a description is too large for a robot.
 pub(super) fn too_large(message: String) -> Diagnostic {
     Diagnostic::error("E0415", message)
         .help("leave out what is not the robot, or select the robot's own part of it")
 }
 
-/// A file that is to be expanded first, with the first of so many places.
+/// A file that must be expanded first: the first place, and the number of places.
 pub(super) fn unexpanded(first: Span, places: usize) -> Diagnostic {
     let more = if places > 1 { format!(" (and {} more places)", places - 1) } else { String::new() };
     Diagnostic::error("E0410", format!("this is a xacro file, from which URDF is made{more}"))
@@ -108,7 +108,7 @@ pub(super) fn unexpanded(first: Span, places: usize) -> Diagnostic {
         .help("expand it first: xacro robot.urdf.xacro > robot.urdf")
 }
 
-/// What the parser says, at its place.
+/// The parser's error at its place.
 fn refused(text: &str, source: SourceId, error: &roxmltree::Error) -> Diagnostic {
     let at = offset(text, error.pos());
     let span =
@@ -125,7 +125,7 @@ fn refused(text: &str, source: SourceId, error: &roxmltree::Error) -> Diagnostic
             too_large(format!("the description has more than {MOST_ELEMENTS} elements")).at(span, "")
         }
         _ => {
-            // The parser ends its sentences with the place, which the snippet shows.
+            // The parser appends the position, which the snippet already shows.
             let said = error.to_string();
             let said = said.split(" at ").next().unwrap_or(&said).to_owned();
             Diagnostic::error("E0410", format!("this is not well-formed XML: {said}"))
@@ -135,7 +135,7 @@ fn refused(text: &str, source: SourceId, error: &roxmltree::Error) -> Diagnostic
     }
 }
 
-/// The byte of a line and column, both from 1 and in characters.
+/// The byte offset of a line and column, both from 1 and in characters.
 fn offset(text: &str, position: roxmltree::TextPos) -> usize {
     let (row, column) = (position.row.max(1) as usize, position.col.max(1) as usize);
     let start = match row {
@@ -147,7 +147,7 @@ fn offset(text: &str, position: roxmltree::TextPos) -> usize {
 
 fn tag(node: &Node, source: SourceId) -> Span {
     let range = node.range();
-    // `<` and the name, without its prefix: the place of an element is its tag, not everything inside it.
+    // `<` and the name without its prefix: the place of an element is its tag, not its contents.
     Span { source, start: range.start, end: (range.start + 1 + node.tag_name().name().len()).min(range.end) }
 }
 

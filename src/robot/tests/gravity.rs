@@ -5,7 +5,7 @@ use crate::robot::kinematics::rotation_about;
 use crate::robot::{Balance, GravityCompensation, Kinematics, Robot, Weighting, felt_gravity};
 use crate::stream::Stream;
 
-/// Entries of `g - S^T tau - sum J^T f`, by the Jacobians: six of the base, then the joints.
+/// Entries of `g - S^T tau - sum J^T f`, from the Jacobians: six of the base, then the joints.
 fn rest(robot: &Robot, pose: (&Isometry3<f64>, &[f64]), balance: &Balance) -> DVector<f64> {
     let mut kinematics = Kinematics::new(robot);
     kinematics.place(pose.0, pose.1);
@@ -24,7 +24,7 @@ fn rest(robot: &Robot, pose: (&Isometry3<f64>, &[f64]), balance: &Balance) -> DV
     rest
 }
 
-/// A pose about the default one, on a base that leans.
+/// A pose near the default one, with an inclined base.
 fn leaning(robot: &Robot, stream: &mut Stream) -> (Isometry3<f64>, Vec<f64>) {
     let pose = robot.default_pose().iter().map(|q| q + 0.3 * stream.normal()).collect();
     let lean = rotation_about(&Vector3::x(), 0.1 * stream.normal())
@@ -159,7 +159,7 @@ fn default_torque(contact: [bool; 2], weighting: Weighting) -> Vec<f64> {
 #[test]
 fn standing_on_both_feet_takes_the_torques_of_the_prototype() {
     // Hip pitch -15.1, knee -46.6, ankle pitch 6.5 N m. In the symmetric pose the sagittal torques do not
-    // depend on the weighting: only an asymmetric share could change them, and it never pays.
+    // depend on the weighting: an asymmetric distribution would change them, but is never better.
     for weighting in [Weighting::Uniform, Weighting::EffortLimits] {
         let torque = default_torque([true, true], weighting);
         for leg in 0..2 {
@@ -223,7 +223,7 @@ fn soles_at_one_height_are_both_taken_as_contacts() {
     assert_eq!(right.wrench[0].norm(), 0.0);
 }
 
-/// The robot without these joints, which are fixed at zero; the bodies that they moved lose their mass.
+/// The robot with these joints fixed at zero; the bodies that they moved become massless.
 fn without(robot: &Robot, words: &[&str]) -> Robot {
     let mut robot = robot.clone();
     while let Some(gone) = robot
@@ -253,8 +253,8 @@ fn without(robot: &Robot, words: &[&str]) -> Robot {
     robot
 }
 
-/// Legs without an ankle roll (Unitree's H1) and legs that only pitch: which share of the weight saves the
-/// last bit of torque must not decide how hard the feet push against each other.
+/// Legs without ankle roll (Unitree's H1) and legs with only pitch joints: tiny torque savings must not
+/// decide how hard the feet push against each other.
 #[test]
 fn feet_of_legs_with_few_joints_do_not_push_against_each_other_and_small_changes_have_small_effects() {
     let mut stream = Stream::new("test/gravity/few");

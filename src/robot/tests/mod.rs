@@ -1,4 +1,4 @@
-//! Tests of the robots that come with specforge.
+//! Tests of the embedded robots.
 
 mod gravity;
 mod kinematics;
@@ -7,12 +7,12 @@ mod model;
 use crate::diag::{Sink, Sources};
 use crate::robot::{Robot, shipped};
 
-/// A robot that comes with specforge.
+/// An embedded robot.
 pub(crate) fn robot(name: &str) -> Robot {
     shipped(name).expect("a robot of this name, without mistakes")
 }
 
-/// What is wrong with TOCABI after its file's text was changed: codes and the text they point at.
+/// The mistakes in TOCABI after changing its file's text: codes and the text they point at.
 fn faults(from: &str, to: &str) -> Vec<(&'static str, String)> {
     let text = crate::robot::embedded("tocabi").expect("tocabi");
     assert!(text.contains(from), "{from}");

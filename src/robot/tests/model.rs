@@ -60,7 +60,7 @@ fn a_joint_without_effort_limit_and_an_impossible_inertia_are_refused() {
     // The thigh's moments are 0.0794, 0.08 and 0.009967 kg m^2.
     assert_eq!(codes("ixx = \"0.0794 kg*m^2\"", "ixx = \"0.794 kg*m^2\""), ["E0405"]);
     assert_eq!(codes("ixx = \"0.0794 kg*m^2\"", "ixx = \"-0.01 kg*m^2\""), ["E0405"]);
-    // A left hip that stands 20 cm to the side has no mirror image; neither has any joint below.
+    // A left hip moved 20 cm to the side has no mirror image; neither have the joints below it.
     assert_eq!(codes("origin = [\"0.11 m\", \"0.1025 m\"", "origin = [\"0.11 m\", \"0.2 m\""), ["E0405"]);
 }
 

@@ -142,8 +142,7 @@ fn knees(legs: &Legs, forward: &Vector3<f64>, lateral: &Vector3<f64>) -> i32 {
     votes.signum()
 }
 
-/// The evidence of names: if the first leg is the left one, `lateral` points to the left and the direction is
-/// forward.
+/// The evidence of names: if the first leg is the left one, `lateral` points left and the way is forward.
 fn names(legs: &Legs) -> i32 {
     let votes = |side: usize| legs.names[side].iter().filter_map(|name| side_of(name)).sum::<i32>();
     match (votes(0).signum(), votes(1).signum()) {

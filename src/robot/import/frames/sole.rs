@@ -242,8 +242,7 @@ fn through(triangle: &[Vector3<f64>; 3]) -> Option<Vector3<f64>> {
     Matrix3::from_rows(&rows).lu().solve(&heights).filter(|plane| plane.iter().all(|entry| entry.is_finite()))
 }
 
-/// The smallest barycentric coordinate of the origin, seen from above: not negative if the triangle contains
-/// it.
+/// The smallest barycentric coordinate of the origin, seen from above: negative if it is outside.
 fn holds(triangle: &[Vector3<f64>; 3]) -> Option<f64> {
     let cross = |a: &Vector3<f64>, b: &Vector3<f64>| a.x * b.y - a.y * b.x;
     let [a, b, c] = triangle;

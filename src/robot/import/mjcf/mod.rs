@@ -556,8 +556,7 @@ fn carries_joints(body: &Element) -> bool {
     body.children.iter().any(|inner| matches!(inner.name.as_str(), "body" | "frame") && below(inner))
 }
 
-/// Raises principal moments to a minimum and, if requested, replaces an impossible inertia by that of a
-/// sphere.
+/// Raises principal moments to a minimum and, if `balance`, replaces impossible ones by a sphere's.
 fn bounded(body: &mut Body, least: f64, balance: bool) {
     let mut own = body.inertia.symmetric_eigen();
     own.eigenvalues.apply(|moment| *moment = moment.max(least));
