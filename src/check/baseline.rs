@@ -1,5 +1,5 @@
-//! The specs that a report compares its arms with (`report.baseline`): each is valid by itself, and the task
-//! of every arm has one (E0608).
+//! The specs that a report compares its arms with (`report.baseline`): each one is valid, and each arm has
+//! one for its task (E0608).
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -37,7 +37,7 @@ pub struct Checked {
 }
 
 impl Checked {
-    /// The spec and its robot, if there are no errors.
+    /// The spec and its robot, unless there are errors.
     pub fn sound(&self) -> Option<(&Experiment, &Robot)> {
         if self.sink.has_errors() { None } else { self.experiment.as_ref().zip(self.robot.as_ref()) }
     }

@@ -38,7 +38,7 @@ pub struct CheckedSuite {
 }
 
 impl CheckedSuite {
-    /// The suite and its arms, if there are no errors.
+    /// The suite and its arms, unless there are errors.
     pub fn sound(&self) -> Option<(&Suite, &[CheckedArm])> {
         if self.sink.has_errors() {
             None

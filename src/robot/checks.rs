@@ -11,8 +11,7 @@ pub const MOST_JOINTS: usize = 40;
 /// Something wrong with a robot file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Issue {
-    /// The diagnostic's code: E0403 to E0408 mean that there is no valid model, the others concern a valid
-    /// model.
+    /// The diagnostic's code: E0403 to E0408 mean an invalid model, the others concern a valid one.
     pub code: &'static str,
     /// Where, as a path of keys and list indices from the top level of the file: `links.3.joint.lower`.
     pub path: String,

@@ -206,8 +206,8 @@ keys! {
 /// The keys of a robot file.
 pub static PARAMS: &[Param] = RobotFile::PARAMS;
 
-/// The robot of a decoded file, and all findings. There is no robot if the model is invalid (E0403 to E0408);
-/// a valid model with other errors, such as one that falls over, is returned.
+/// The robot of a decoded file, and all findings. No robot if its model fails E0403 to E0408; a valid model
+/// with other errors, such as one that falls over, is returned.
 pub fn from_table(name: &str, table: &Table) -> (Option<Robot>, Vec<Issue>) {
     let mut issues = Vec::new();
     let Some(file) = RobotFile::of_table(table) else { return (None, issues) };

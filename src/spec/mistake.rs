@@ -1,7 +1,7 @@
 //! Custom messages for keys: derived values cannot be set, and keys of the low-level controller have their
 //! own codes.
 
-/// Derived values and what they are computed from. They cannot be set (E0603).
+/// Derived values and their inputs. They cannot be set (E0603).
 pub const DERIVED: &[(&str, &str)] = &[
     ("spec", "the file's own edition"),
     ("extends", "the file's own parents"),

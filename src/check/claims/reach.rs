@@ -22,8 +22,7 @@ const MOST: usize = 100_000;
 /// Maximum number of seeds considered in the help.
 const MOST_SEEDS: usize = 200;
 
-/// W0511 if no result, or no result with identical runs, can establish the claim; W1001 if none can refute
-/// it.
+/// W0511 if no result, or none with identical runs, can establish the claim; W1001 if none can refute it.
 pub fn can_be_decided(
     claim: &Claim,
     metric: &MetricKind,

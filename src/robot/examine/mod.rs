@@ -1,5 +1,5 @@
-//! Plausibility checks of a valid model: whether the robot stands in its default pose, and whether masses,
-//! lengths and drives fit the units of its file.
+//! Plausibility checks of a valid model: standing in the default pose, and whether masses, lengths and drives
+//! fit the units of its file.
 //!
 //! The only list of these checks, used by `check`, `new`, `run`, `evaluate`, `robot show` and the import. An
 //! error means that no experiment can use the robot; a warning is a value far from those of known robots.

@@ -1,4 +1,4 @@
-//! E0420 to E0423 and W0416: whether the robot stands in its default pose with the base upright, in which
+//! E0420 to E0423 and W0416: whether the robot can stand in its default pose with the base upright, where
 //! episodes begin.
 
 use super::level::{self, APART, TILT, tilt};

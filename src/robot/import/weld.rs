@@ -19,8 +19,7 @@ use crate::diag::{Diagnostic, Sink, Span};
 use crate::robot::checks::{self, MOST_JOINTS};
 use crate::robot::{Body, Collision};
 
-/// Welds bodies on unselected joints. `None` if the rest is not a valid robot; the diagnostics are in the
-/// sink.
+/// Welds bodies on unselected joints. `None` if the rest is not a robot; the sink has the diagnostics.
 pub fn weld(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Option<Welded> {
     let balanced = selection.balance.then(|| physical::balanced(tree));
     let tree = balanced.as_ref().unwrap_or(tree);
@@ -102,8 +101,7 @@ fn welded(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Result<Welded,
 }
 
 impl Welded {
-    /// Adds a body of the file at its pose in its owner; returns the body it became part of, and its pose
-    /// there.
+    /// Adds a body of the file at its pose in its owner; returns the owner and the body's pose there.
     fn take(
         &mut self,
         part: &Part,

@@ -46,7 +46,7 @@ impl Decoder<'_> {
         let (mut unknown, mut meant) = (0, BTreeSet::new());
         for (key, entry) in &map.entries {
             let known = params.iter().copied().flatten().any(|param| param.name == key);
-            // One more than the limit, so that a note says that there are more.
+            // One more than the limit, so that a note mentions the rest.
             if !known && unknown > MOST_OF_A_CODE {
                 unknown += 1;
             } else if !known && !reserved.contains(&key.as_str()) {

@@ -72,7 +72,7 @@ pub struct Suite {
 /// An arm: a spec with the points of one combination applied.
 #[derive(Clone, Debug)]
 pub struct Arm {
-    /// `control=torque,stiffness=100 %`; the suite's name if there are no axes.
+    /// `control=torque,stiffness=100 %`; the suite's name without axes.
     pub name: String,
     /// Axis and point, in the order of the axes.
     pub points: Vec<(String, String)>,

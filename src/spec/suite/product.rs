@@ -15,7 +15,7 @@ pub struct Cell {
 }
 
 impl Sweep {
-    /// All selected combinations. E0703 if there are none.
+    /// All selected combinations. E0703 if the selection is empty.
     pub fn cells(&self, sink: &mut Sink) -> Vec<Cell> {
         let groups = self.groups();
         let count =

@@ -136,8 +136,8 @@ macro_rules! key_attribute {
     };
 }
 
-/// Declares a kind: its keys as with `keys!`, its word, and what it reads from the world. Its page is the
-/// Markdown file of that name beside the source file, which is also the documentation of the struct.
+/// Declares a kind: its keys as with `keys!`, its word, and what it reads from the simulation. The Markdown
+/// file of that name next to the source file is its page and the documentation of the struct.
 ///
 /// ```ignore
 /// kind! {
@@ -235,8 +235,8 @@ macro_rules! choice {
     };
 }
 
-/// Declares a value that has several forms, which the decoder tells apart by their shapes; the first that
-/// fits wins.
+/// Declares a value with several forms, which the decoder distinguishes by their shapes; the first match
+/// wins.
 ///
 /// ```ignore
 /// either! {
@@ -286,7 +286,7 @@ macro_rules! reference {
     )*};
 }
 
-/// Declares the kinds of a section of which a spec has one, as an enum of their structs.
+/// Declares a section that has exactly one kind, as an enum of the kinds' structs.
 ///
 /// ```ignore
 /// section! {
@@ -350,7 +350,7 @@ macro_rules! section {
     };
 }
 
-/// Declares a section of named terms, whose kinds are those of the function `kinds` of the module.
+/// Declares a section of named terms, whose kinds come from the function `kinds` of the module.
 ///
 /// ```ignore
 /// terms! {

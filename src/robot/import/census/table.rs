@@ -40,7 +40,7 @@ pub(crate) enum Group {
 }
 
 impl Group {
-    /// What it is, and why a robot file does not need it.
+    /// A description, and why a robot file does not need it.
     pub fn text(self) -> (&'static str, &'static str) {
         match self {
             Self::Springs => ("springs", "the joints of a robot file have none"),

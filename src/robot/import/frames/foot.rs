@@ -52,7 +52,7 @@ fn of_sole(sole: &Sole, base: &Directions) -> Option<Matrix3<f64>> {
         (true, true) => MESH,
         (false, _) => UNEVEN,
     };
-    // Exact normals are kept; others are replaced by up if they are close to it.
+    // Exact normals are preserved; others that are nearly vertical are replaced by `up`.
     let exact = sole.flat && !sole.mesh;
     let z = if !exact && angle(&sole.normal, &base.up) <= tolerance { base.up } else { sole.normal };
     let level = upright(&z, &base.forward)?;

@@ -102,8 +102,8 @@ impl Legs {
         vec![self.feet.map(place)]
     }
 
-    /// The vector in m from the lowest points of the feet along `down` to the hips in the default pose. It
-    /// gives up for legs on tiptoe with bent knees. `tips` are those points in the frames of the feet.
+    /// The vector in m from the lowest points of the feet along `down` to the hips in the default pose: the
+    /// up direction for legs on tiptoe with bent knees. `tips` are those points in the frames of the feet.
     pub fn upwards_from(&self, tips: [Vector3<f64>; 2]) -> Vector3<f64> {
         let way = |side: usize| {
             let (foot, hip) = (self.feet[side], self.own[side].first().copied().unwrap_or(self.feet[side]));

@@ -4,8 +4,8 @@ use nalgebra::Isometry3;
 
 use super::super::tree::{Part, Tree, Weight};
 
-/// A mass without shapes below this share of what is rigidly connected to the root is only nominal:
-/// simulators reject bodies without mass.
+/// Share of the mass rigidly connected to the root below which a mass without shapes is nominal: simulators
+/// reject massless bodies.
 const NEGLIGIBLE: f64 = 1e-3;
 
 /// The base of a tree.

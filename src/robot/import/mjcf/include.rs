@@ -8,7 +8,7 @@ use super::super::intake::Intake;
 use super::super::xml::Element;
 use crate::diag::Diagnostic;
 
-/// A description with everything it includes. MuJoCo allows each file only once, so there are no cycles.
+/// A description with everything it includes. MuJoCo allows each file only once, which rules out cycles.
 pub(super) fn expanded(root: Element, from: &Path, intake: &mut Intake) -> Element {
     let mut inclusion = Inclusion { from, seen: BTreeSet::new() };
     inclusion.expand(root, intake)

@@ -72,7 +72,7 @@ pub(super) fn tree(root: Element, from: &Path, intake: &mut Intake) -> Option<Tr
         walk.number(body, &mut next, &mut addresses);
     }
     drives.measure(next, walk.intake);
-    // Its pose in the world is part of a key frame, not of the robot, but tells where up is.
+    // Its pose in the world is part of a key frame, not of the robot, but defines the up direction.
     let stands = settings.pose(bodies[base].element, walk.intake);
     tree.upright = (bodies[base].around.frame * stands).rotation;
     walk.body(&bodies[base], None, (&addresses, &mut tree));
