@@ -54,7 +54,7 @@ pub fn squats_are_smooth(subject: &Subject, reference: &mut OnDemand, sink: &mut
 /// The largest jump of a joint's velocity, relative to the joint's maximum.
 fn corner(motion: &Motion, robot: &Robot) -> Option<Corner> {
     let count = motion.samples.len();
-    // Backward differences of positions: central ones would spread a jump over two samples.
+    // Differences of adjacent positions: central ones would spread a jump over two samples.
     let velocity = |index: usize, joint: usize| {
         let [before, after] = [index, index + 1].map(|index| motion.samples[index % count].position[joint]);
         (after - before) * count as f64 / motion.period

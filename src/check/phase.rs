@@ -1,4 +1,4 @@
-//! E0105: a phase action where the spec has one.
+//! E0105: settings of a missing phase action.
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};

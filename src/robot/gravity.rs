@@ -136,7 +136,7 @@ impl GravityCompensation {
                 continue;
             }
             let [length, width] = self.soles[side].map(|half| share * half * force.z);
-            // Positive pressure ahead (x) is a negative moment about y.
+            // A centre of pressure ahead (x) gives a negative moment about y.
             let kept = Vector3::new(moment.x.clamp(-width, width), moment.y.clamp(-length, length), moment.z);
             let excess = sole * (moment - kept);
             for index in 0..self.chains[side].len() {

@@ -173,8 +173,7 @@ fn standing_on_both_feet_takes_the_torques_of_the_prototype() {
 
 #[test]
 fn single_support_in_the_symmetric_pose_carries_the_weight_at_half_the_hip_width() {
-    // The ankle roll joint at y = 0.1025 m and x of the centre of mass from the ankle, times the weight
-    // above the ankle.
+    // Ankle roll torque: the weight above the ankle times its lever arm, about 0.1025 m.
     let robot = robot("tocabi");
     let kinematics = Kinematics::new(&robot);
     let foot = &robot.links[5].body;

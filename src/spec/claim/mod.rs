@@ -206,9 +206,9 @@ pub enum Over {
     Each,
     /// It holds for the mean over them; runs are resampled within each arm.
     Mean,
-    /// At some point of this axis it holds for each.
+    /// It holds for each at some point of this axis.
     Some(String),
-    /// At no point of this axis it holds for each.
+    /// It holds for each at no point of this axis.
     None(String),
     /// It holds in at least this many comparisons.
     AtLeast(usize),

@@ -152,7 +152,7 @@ pub(crate) const TABLE: &[Row] = &[
         ],
     ),
     whole("body/geom/plugin", Left(Plugins)),
-    // These refer to bodies outside the file, which is an error.
+    // These generate bodies that are not in the file, which is an error.
     whole("body/attach", Imported),
     whole("body/composite", Imported),
     whole("body/flexcomp", Imported),
