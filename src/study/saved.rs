@@ -8,7 +8,7 @@ use super::{Refusal, Study};
 use crate::bounded;
 use crate::diag::{Diagnostic, Sources};
 use crate::escape;
-use crate::plan::{Plan, SavedError, StageKind};
+use crate::plan::{Plan, Request, SavedError, StageKind};
 
 /// How to save a plan.
 const ADVICE: &str = "write the plan with `specforge plan SPEC --save PLAN.json`";
@@ -39,10 +39,36 @@ pub fn read(file: &Path, log: &mut Log) -> Result<Study, Refusal> {
     };
     let report = plan.stages().find(|stage| stage.kind == StageKind::Report);
     let name = report.map_or("report", |stage| stage.users[0].arm.as_str()).to_owned();
-    let spec = plan.arms.first().map(|arm| PathBuf::from(&arm.request.spec)).unwrap_or_default();
-    Ok(Study { plan, name, project: project(&spec, None), profiles: Vec::new() })
+    let project = plan.arms.first().map_or_else(PathBuf::new, |arm| project_of(&arm.request));
+    Ok(Study { plan, name, project, profiles: Vec::new() })
+}
+
+/// The project of a spec that a plan was made of: the folder in which its place begins.
+fn project_of(request: &Request) -> PathBuf {
+    let (spec, place) = (Path::new(&request.spec), Path::new(&request.place));
+    let absolute = std::path::absolute(spec).unwrap_or_else(|_| spec.to_owned());
+    let is_below = place.components().next().is_some() && absolute.ends_with(place);
+    let root = absolute.ancestors().nth(place.components().count()).filter(|_| is_below);
+    project(spec, root)
 }
 
 fn no_plan(file: &Path, reason: &str) -> Refusal {
     Refusal::Usage { message: format!("{}: {reason}", file.display()), advice: ADVICE.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_project_of_a_plan_is_that_of_its_spec() {
+        let folder = tempfile::tempdir().unwrap();
+        let spec = folder.path().join("specs/walks/a.toml").display().to_string();
+        let request = |place: &str| Request { spec: spec.clone(), place: place.into(), ..Request::default() };
+        assert_eq!(project_of(&request("specs/walks/a.toml")), folder.path());
+        // Without a place that fits, it is the folder of the spec.
+        for place in ["", "specs/b.toml"] {
+            assert_eq!(project_of(&request(place)), folder.path().join("specs/walks"));
+        }
+    }
 }
