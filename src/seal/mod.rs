@@ -30,7 +30,7 @@ pub enum Seal {
 
 /// What is wrong with a record without a digest.
 pub const REMOVED: &str =
-    "it has no digest of itself, which every record has that this version writes: it was removed";
+    "it has no digest of itself: the digest was removed, or the record is an old one and was edited";
 
 /// The digest of a record's content, ignoring the one it has; `None` if the text is not a JSON object.
 pub fn of(record: &str) -> Option<String> {
