@@ -106,7 +106,7 @@ fn check(
             break;
         }
         if let Some(known) = undefined(path, variables) {
-            sink.emit(undefined_at(path, &known, source, (&template.text, &tags)));
+            sink.emit(undefined_at(path, &known, source, &template.text, &tags));
         }
     }
     for tag in tags.iter().filter(|tag| is_arithmetic(&template.text[(*tag).clone()])) {
@@ -183,7 +183,8 @@ fn undefined_at(
     path: &str,
     known: &[String],
     source: SourceId,
-    (text, tags): (&str, &[Range<usize>]),
+    text: &str,
+    tags: &[Range<usize>],
 ) -> Diagnostic {
     let place = word_in_tags(text, tags, path).or_else(|| word_in_tags(text, tags, first(path)));
     let mut diagnostic = Diagnostic::error("E0902", format!("undefined variable `{path}`"));

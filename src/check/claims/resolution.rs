@@ -104,7 +104,10 @@ fn distance(claim: &Claim, metric: &MetricKind, smallest: &Smallest, sink: &mut 
         let text = small.text.trim_start_matches('-');
         let message = match claim.expect.relation {
             Relation::Equal => format!("`{}` cannot be established: {text} is no tolerance", claim.id),
-            _ => format!("`{}` decides what `{plain}` decides: {text} is no distance", claim.id),
+            _ => format!(
+                "`{}` decides what `{plain}` decides: {text} is not a meaningful difference",
+                claim.id
+            ),
         };
         let remark = format!("less than {}", smallest.told);
         let warning = at(claim, key, Diagnostic::warning("W1004", message), &remark);

@@ -112,7 +112,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     specs::tell(&[of_robot(&policy).in_file(&options.policy)], global);
     match evaluated(options, (&policy, &conditions), &interrupt, global) {
         Ok(evaluations) => {
-            shown::tell(&options.policy, (&policy, &conditions.protocol), evaluations, global);
+            shown::tell(&options.policy, &policy, &conditions.protocol, evaluations, global);
             Exit::Ok
         }
         Err(error) => failed(&error, global),

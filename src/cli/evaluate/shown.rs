@@ -57,7 +57,8 @@ pub fn line(evaluation: &Evaluation) -> serde_json::Value {
 /// Prints the tables, the verdicts and remarks on them; programs have received their lines already.
 pub fn tell(
     path: &Path,
-    (policy, protocol): (&Policy, &Protocol),
+    policy: &Policy,
+    protocol: &Protocol,
     evaluations: Vec<Evaluation>,
     global: &Global,
 ) {
@@ -79,7 +80,7 @@ pub fn tell(
     warnings.extend(crossing::unmeasurable(&[&arm]));
     if global.format != Format::Json {
         let arms = ReportInput { arms: vec![arm], ..ReportInput::default() };
-        output::data(&text((policy, protocol), &arms));
+        output::data(&text(policy, protocol, &arms));
     }
     for warning in warnings.into_iter().chain(stranger(policy)) {
         output::note(global, &format!("warning: {warning}"));
@@ -87,7 +88,7 @@ pub fn tell(
 }
 
 /// Header, table and verdicts.
-fn text((policy, protocol): (&Policy, &Protocol), input: &ReportInput) -> String {
+fn text(policy: &Policy, protocol: &Protocol, input: &ReportInput) -> String {
     let arm = &input.arms[0];
     let contract = &policy.contract;
     let mut text = one_line(&format!(

@@ -71,13 +71,15 @@ fn difference(path: &str, one: &Json, other: &Json) -> Option<String> {
                 .into_iter()
                 .find_map(|(at, (one, other))| difference(&below(&at.to_string()), one, other));
         }
-        (Json::Number(one), Json::Number(other)) => one.as_f64().zip(other.as_f64()).is_some_and(is_close),
+        (Json::Number(one), Json::Number(other)) => {
+            one.as_f64().zip(other.as_f64()).is_some_and(|(one, other)| is_close(one, other))
+        }
         _ => one == other,
     };
     (!is_same).then(|| path.to_owned())
 }
 
-fn is_close((one, other): (f64, f64)) -> bool {
+fn is_close(one: f64, other: f64) -> bool {
     (one - other).abs() <= TOLERANCE * one.abs().max(other.abs())
 }
 
@@ -138,7 +140,7 @@ fn of_case(record: &Sidecar, claim: &Judged, case: &Case, compared: Option<&Comp
             (Some(own), Some(Some(base))) => Some(own - base),
             _ => None,
         };
-        let is_known = known.zip(told.value).is_some_and(is_close_in_sum);
+        let is_known = known.zip(told.value).is_some_and(|(one, other)| is_close_in_sum(one, other));
         // The mean of per-episode ratios is not the ratio of the means.
         let is_of_ratios = told.is_mean_of_episodes && is_relative;
         (!is_known && !is_of_ratios)
@@ -147,7 +149,7 @@ fn of_case(record: &Sidecar, claim: &Judged, case: &Case, compared: Option<&Comp
 }
 
 /// Differences of nearly equal numbers lose digits, hence the absolute tolerance.
-fn is_close_in_sum((one, other): (f64, f64)) -> bool {
+fn is_close_in_sum(one: f64, other: f64) -> bool {
     (one - other).abs() <= TOLERANCE * one.abs().max(other.abs()).max(1.0)
 }
 

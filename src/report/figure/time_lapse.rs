@@ -35,7 +35,7 @@ pub fn figure(input: &ReportInput, arm: usize) -> Option<Figure> {
     for pose in 0..POSES {
         let row = first + (last - first) * pose / (POSES - 1);
         let centre = 24.0 + SPACING * (pose as f64 + 0.5);
-        strip.pose(&mut drawing, centre, (row, first), arm.motion.as_ref());
+        strip.pose(&mut drawing, centre, row, first, arm.motion.as_ref());
     }
     key(&mut drawing, arm.motion.is_some());
     let seconds = trace.time[last] - trace.time[first];
@@ -93,13 +93,7 @@ struct Strip<'a> {
 }
 
 impl Strip<'_> {
-    fn pose(
-        &self,
-        drawing: &mut Drawing,
-        centre: f64,
-        (row, first): (usize, usize),
-        motion: Option<&Motion>,
-    ) {
+    fn pose(&self, drawing: &mut Drawing, centre: f64, row: usize, first: usize, motion: Option<&Motion>) {
         let base = self.trace.base_position[row];
         if let Some(motion) = motion {
             let mut frame = Frame::default();

@@ -78,7 +78,8 @@ pub(super) fn figure(
     key: &str,
     hinge: &Hinge,
     known: Option<f64>,
-    (fills, welded): (&[Fill], &Welded),
+    fills: &[Fill],
+    welded: &Welded,
 ) -> Option<f64> {
     known.or_else(|| quantity(&filled(fills, hinge, key, welded)?.value).ok().map(|filled| filled.si))
 }

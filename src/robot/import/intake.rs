@@ -235,7 +235,8 @@ impl<'a> Intake<'a> {
     pub fn mesh(
         &mut self,
         body: &str,
-        (from, named): (&Path, &str),
+        from: &Path,
+        named: &str,
         span: Span,
         scale: [f64; 3],
     ) -> Option<Block> {

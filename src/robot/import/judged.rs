@@ -100,7 +100,7 @@ impl Known {
                 ("default_position", hinge.default_position, &mut joint.default_position),
             ];
             for (key, known, place) in own {
-                if let Some(known) = figure(key, hinge, known, (fills, welded)) {
+                if let Some(known) = figure(key, hinge, known, fills, welded) {
                     *place = known;
                     keys.insert(key);
                 }

@@ -227,7 +227,7 @@ fn shape(link: &str, collision: &Element, from: &Path, intake: &mut Intake) -> O
         "mesh" => {
             let named = intake.name(element, "filename")?;
             let scale = intake.vector(element, "scale").unwrap_or([1.0; 3]);
-            let block = intake.mesh(link, (from, &named), element.place("filename"), scale)?;
+            let block = intake.mesh(link, from, &named, element.place("filename"), scale)?;
             pose *= Translation3::from(block.centre);
             Shape::Box(block.half)
         }

@@ -282,7 +282,7 @@ fn relation(text: &str) -> Result<(usize, Relation), Mistake> {
     match SYMBOLS.into_iter().find(|relation| text[at..].starts_with(relation.symbol())) {
         Some(relation) => Ok((at, relation)),
         None => {
-            let mistake = Mistake::grammar("`=` is no relation", at..at + 1, "not a relation");
+            let mistake = Mistake::grammar("`=` is not a relation", at..at + 1, "not a relation");
             Err(Mistake { help: "equality is written `a == b within 5 %`".to_owned(), ..mistake })
         }
     }

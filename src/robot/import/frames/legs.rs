@@ -45,7 +45,7 @@ impl Legs {
             kinematics.place(&Isometry3::identity(), position);
             (0..position.len()).map(|link| *kinematics.pose(link)).collect()
         };
-        let given = |key: &str, hinge: &Hinge, known: Option<f64>| figure(key, hinge, known, (fills, welded));
+        let given = |key: &str, hinge: &Hinge, known: Option<f64>| figure(key, hinge, known, fills, welded);
         let mut defaults: Vec<Option<f64>> =
             welded.hinges().map(|hinge| given("default_position", hinge, hinge.default_position)).collect();
         let beyond = |(hinge, position): (&Hinge, &Option<f64>)| {

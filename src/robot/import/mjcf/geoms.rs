@@ -137,7 +137,7 @@ impl Geoms<'_> {
         };
         let file = if self.settings.strip { file.rsplit(['/', '\\']).next().unwrap_or(file) } else { file };
         let scale = intake.vector(asset, "scale").unwrap_or([1.0; 3]);
-        intake.mesh(body, (&self.settings.meshes, file), asset.place("file"), scale)
+        intake.mesh(body, &self.settings.meshes, file, asset.place("file"), scale)
     }
 
     /// Shape and pose of a geom.

@@ -75,7 +75,7 @@ pub(super) fn tree(root: Element, from: &Path, intake: &mut Intake) -> Option<Tr
     // Its pose in the world is part of a key frame, not of the robot, but defines the up direction.
     let stands = settings.pose(bodies[base].element, walk.intake);
     tree.upright = (bodies[base].around.frame * stands).rotation;
-    walk.body(&bodies[base], None, (&addresses, &mut tree));
+    walk.body(&bodies[base], None, &addresses, &mut tree);
     tree.ties = ties::read(&root);
     tree.key = drives.keys().map(|(key, _)| key.to_owned());
     tree.stance = if walk.is_free { drives.attitude(start, walk.intake) } else { None };
@@ -255,7 +255,8 @@ impl Walk<'_, '_, '_> {
         &mut self,
         body: &Inside,
         parent: Option<usize>,
-        (addresses, tree): (&BTreeMap<String, usize>, &mut Tree),
+        addresses: &BTreeMap<String, usize>,
+        tree: &mut Tree,
     ) {
         let element = body.element;
         if tree.parts.len() > MOST_BODIES {
@@ -330,7 +331,7 @@ impl Walk<'_, '_, '_> {
         tree.parts.push(part);
         let index = tree.parts.len() - 1;
         for inner in inside.iter().filter(|inner| inner.element.name == "body") {
-            self.body(inner, Some(index), (addresses, tree));
+            self.body(inner, Some(index), addresses, tree);
         }
     }
 
