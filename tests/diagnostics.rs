@@ -3,6 +3,8 @@
 //! `specs/tocabi_walk_torque.toml` and its parents, or of a suite.
 //! `SPECFORGE_BLESS=1 cargo test --test diagnostics` rewrites the page.
 
+mod folders;
+
 #[path = "diagnostics/edits.rs"]
 mod edits;
 
@@ -10,6 +12,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use self::folders::copy;
 use edits::{EDITS, Edit};
 
 fn root() -> &'static Path {
@@ -27,19 +30,6 @@ the same. The rules behind the messages are in [language.md](language.md), the p
 [codes.md](codes.md).
 
 ";
-
-/// Copies the specs, their parents and the robots into a folder.
-fn copy(from: &Path, to: &Path) {
-    fs::create_dir_all(to).expect("folders can be made");
-    for entry in fs::read_dir(from).expect("folders are readable").flatten() {
-        let (path, target) = (entry.path(), to.join(entry.file_name()));
-        if path.is_dir() {
-            copy(&path, &target);
-        } else {
-            fs::copy(&path, &target).expect("files can be copied");
-        }
-    }
-}
 
 /// Makes the mistake.
 fn make(edit: &Edit, folder: &Path) {

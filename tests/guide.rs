@@ -12,9 +12,13 @@
 //! * "```console elsewhere": what builds, downloads or opens a window is not run.
 //! * "```text" is an illustration, and so is any block of `docs/guide/editor.md`, which is about other programs.
 
+mod folders;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+
+use self::folders::copy;
 
 /// What `tiny` appends: a training of 512 samples, and evaluations of two episodes of 2 s.
 const TINY: &str = "--set pretrain.samples=2000 --set pretrain.epochs=1 --set learn.samples=512 \
@@ -148,18 +152,6 @@ fn executed(command: &str, mode: &str, place: &str) -> String {
             format!("specforge plan {}", rest.unwrap_or_else(|| panic!("{place}: `{command}` is not a run")))
         }
         other => panic!("{place}: a console block cannot be `{other}`"),
-    }
-}
-
-fn copy(from: &Path, to: &Path) {
-    fs::create_dir_all(to).expect("a folder");
-    for entry in fs::read_dir(from).expect("the folder is readable").flatten() {
-        let target = to.join(entry.file_name());
-        if entry.path().is_dir() {
-            copy(&entry.path(), &target);
-        } else {
-            fs::copy(entry.path(), target).expect("copied");
-        }
     }
 }
 

@@ -1,9 +1,13 @@
 //! The inspecting commands from outside: exit codes, standard output and standard error.
 
+mod folders;
+
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+
+use self::folders::copy;
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -168,18 +172,6 @@ fn a_resolved_spec_describes_the_same_experiment() {
                 stdout(&output)
             };
             assert_eq!(values(&resolved, &[]), values(&original, variant), "{}", spec.display());
-        }
-    }
-}
-
-fn copy(from: &Path, to: &Path) {
-    for entry in fs::read_dir(from).expect("the folder is readable").flatten() {
-        let target = to.join(entry.file_name());
-        if entry.path().is_dir() {
-            fs::create_dir_all(&target).expect("folders can be made");
-            copy(&entry.path(), &target);
-        } else {
-            fs::copy(entry.path(), target).expect("files can be copied");
         }
     }
 }

@@ -2,12 +2,15 @@
 
 #![cfg(all(feature = "rapier", feature = "mujoco"))]
 
+mod folders;
+
 #[path = "../examples/study.rs"]
 mod study;
 
 use std::fs;
 use std::path::Path;
 
+use self::folders::copy;
 use specforge::spec::LoadOptions;
 
 /// A training of some seconds.
@@ -23,14 +26,6 @@ const SMALL: &[&str] = &[
     "evaluate.nominal.episodes=3",
     "evaluate.nominal.time_limit=\"1 s\"",
 ];
-
-fn copy(from: &Path, to: &Path) {
-    fs::create_dir_all(to).unwrap();
-    for entry in fs::read_dir(from).unwrap().map(Result::unwrap) {
-        let (from, to) = (entry.path(), to.join(entry.file_name()));
-        if from.is_dir() { copy(&from, &to) } else { fs::copy(&from, &to).map(drop).unwrap() }
-    }
-}
 
 #[test]
 fn a_program_checks_plans_runs_and_reports() {

@@ -3,11 +3,14 @@
 
 #![cfg(all(feature = "batch", feature = "rapier", feature = "mujoco"))]
 
+mod folders;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use self::folders::copy;
 use serde_json::{Value as Json, json};
 
 fn root() -> &'static Path {
@@ -117,14 +120,6 @@ fn the_first_samples_of_a_torque_run_have_the_same_bits_everywhere() {
 #[test]
 fn the_first_samples_of_a_position_run_have_the_same_bits_everywhere() {
     has_the_bits_of("paper_policy_position.json", "task=walk,control=position,seed=1");
-}
-
-fn copy(from: &Path, to: &Path) {
-    fs::create_dir_all(to).unwrap();
-    for entry in fs::read_dir(from).unwrap().map(Result::unwrap) {
-        let (from, to) = (entry.path(), to.join(entry.file_name()));
-        if from.is_dir() { copy(&from, &to) } else { fs::copy(&from, &to).map(drop).unwrap() }
-    }
 }
 
 #[test]

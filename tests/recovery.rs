@@ -2,11 +2,14 @@
 
 #![cfg(all(feature = "rapier", feature = "mujoco"))]
 
+mod folders;
+
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
+use self::folders::copy;
 use specforge::stream::Stream;
 
 const SPEC: &str = "specs/tocabi_walk_torque.toml";
@@ -73,17 +76,6 @@ fn store() -> tempfile::TempDir {
     let store = tempfile::tempdir().unwrap();
     copy(whole().0.path(), store.path());
     store
-}
-
-fn copy(from: &Path, to: &Path) {
-    std::fs::create_dir_all(to).unwrap();
-    for entry in std::fs::read_dir(from).unwrap().map(|entry| entry.unwrap().path()) {
-        let target = to.join(entry.file_name().unwrap());
-        match entry.is_dir() {
-            true => copy(&entry, &target),
-            false => drop(std::fs::copy(&entry, &target).unwrap()),
-        }
-    }
 }
 
 /// Begins the training.
