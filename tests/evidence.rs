@@ -306,6 +306,29 @@ fn an_artefact_under_another_kind_and_a_file_that_no_manifest_lists_are_found() 
 }
 
 #[test]
+fn notes_and_droppings_beside_an_artefact_are_told_and_nothing_is_made_again() {
+    let (store, plan) = made();
+    let learner = artefact(store.path(), &plan, "learner");
+    fs::create_dir(learner.join("old")).expect("a folder");
+    for name in ["notes.txt", ".DS_Store", "made.json~", ".made.json.swp", "#made.json#", "old/made.json"] {
+        fs::write(learner.join(name), "not a result").expect("it can be written");
+    }
+    std::os::unix::fs::symlink("nowhere", learner.join("link")).expect("a link");
+    let (code, text) = told(&specforge(store.path(), &["cache", "verify"]));
+    assert!(code == 0 && text.contains("not part of the artefact, and ignored: "), "{text}");
+    for name in ["notes.txt", ".DS_Store", "made.json~", "old/made.json", "link"] {
+        assert!(text.contains(name), "{name}: {text}");
+    }
+    let output = specforge(store.path(), &["--format", "json", "cache", "verify"]);
+    let found: Value = serde_json::from_slice(&output.stdout).expect("a document");
+    assert_eq!(found["damaged"], json!([]), "{found}");
+    assert_eq!(found["strays"][0]["files"].as_array().map(Vec::len), Some(7), "{found}");
+    let outcome = execute(&plan, store.path(), &Fake::default(), 2).outcome.expect("the store works");
+    assert!(outcome.worked.is_empty(), "nothing is made again");
+    assert!(learner.join("notes.txt").is_file());
+}
+
+#[test]
 fn results_with_numbers_that_are_not_finite_are_found_and_made_again() {
     let (store, plan) = made();
     let metrics = br#"{"update":0,"samples":9,"episodes":2,"return_mean":null,"length_mean_s":1.0}"#;
@@ -573,6 +596,27 @@ fn cleaning_beside_a_run_takes_nothing_that_it_uses() {
 }
 
 #[test]
+fn cleaning_removes_damaged_artefacts_of_any_age_and_none_that_a_run_uses() {
+    let (store, plan) = made();
+    let outcome = execute(&plan, store.path(), &Fake::default(), 1).outcome.expect("the store works");
+    let folders = ["learner", "env", "robot"].map(|name| artefact(store.path(), &plan, name));
+    fs::write(folders[0].join("made.json"), "{}").expect("it can be written");
+    fs::remove_file(folders[1].join("manifest.json")).expect("a manifest");
+    fs::write(folders[2].join("notes.txt"), "no damage").expect("it can be written");
+    let clean = || told(&specforge(store.path(), &["cache", "gc"]));
+    let (code, text) = clean();
+    assert!(code == 0 && text.contains("2 more are kept: a running process uses them"), "{text}");
+    drop(outcome);
+    let (code, text) = told(&specforge(store.path(), &["cache", "gc", "--dry-run"]));
+    assert!(code == 0 && text.contains("damaged learner") && folders[0].is_dir(), "{text}");
+    let (code, text) = clean();
+    assert!(code == 0 && text.contains("damaged learner") && text.contains("damaged env"), "{text}");
+    assert_eq!(folders.each_ref().map(|folder| folder.exists()), [false, false, true], "{text}");
+    let (code, text) = told(&specforge(store.path(), &["cache", "verify"]));
+    assert!(code == 0 && text.contains(" 0 are damaged"), "{text}");
+}
+
+#[test]
 fn the_lease_of_a_process_that_was_killed_ends_with_it() {
     let (store, ..) = superseded();
     fs::write(store.path().join("leases/999999.0"), "0".repeat(64)).expect("it can be written");
@@ -613,6 +657,9 @@ fn only_a_store_is_cleaned() {
     let nothing = folder();
     for place in [nothing.path().to_owned(), nothing.path().join("none")] {
         assert_eq!(told(&specforge(&place, &["cache", "verify"])).0, 4);
+        let (code, text) = told(&specforge(&place, &["cache", "gc"]));
+        assert!(code == 4 && text.contains("[E0813]"), "{text}");
+        assert!(place == nothing.path() || !place.exists(), "cleaning makes no store");
     }
     // A store is not made among the files of a project, even if they are in nobody's way; nor is anything read there.
     let project = folder();

@@ -73,7 +73,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
                 output::note(global, &format!("{who} has locked the store {root}; waiting for it"))
             };
             let wait = Wait { tell: Some(&tell), ..Wait::default() };
-            match gc::waste(&store, &rules, &wait) {
+            match listable(&store, global).and_then(|()| gc::waste(&store, &rules, &wait)) {
                 Ok(cleaning) => collect(&store, &cleaning, (!dry_run).then_some(&wait), global),
                 Err(error) => faults::store(global, &error),
             }
@@ -139,6 +139,12 @@ fn list(store: &Store, global: &Global) -> Exit {
     Exit::Ok
 }
 
+/// Files in an artefact's folder that are not part of it.
+struct Strays {
+    what: String,
+    files: Vec<String>,
+}
+
 /// Something wrong in a store.
 struct Fault {
     code: &'static str,
@@ -148,12 +154,12 @@ struct Fault {
 }
 
 fn verify(store: &Store, global: &Global) -> Exit {
-    let found = artefacts(store).and_then(|(whole, mut faults)| {
+    let found = artefacts(store).and_then(|Verified { whole, mut faults, strays }| {
         faults.extend(checkpoints(store));
         faults.extend(journal(store, whole + faults.len())?);
-        Ok((whole, faults))
+        Ok(Verified { whole, faults, strays })
     });
-    let (whole, faults) = match found {
+    let Verified { whole, faults, strays } = match found {
         Ok(found) => found,
         Err(error) => return faults::store(global, &error),
     };
@@ -161,31 +167,50 @@ fn verify(store: &Store, global: &Global) -> Exit {
         let damaged = faults
             .iter()
             .map(|fault| json!({ "code": fault.code, "what": fault.what, "reason": fault.reason }));
-        output::json(&json!({ "whole": whole, "damaged": damaged.collect::<Vec<_>>() }));
+        let strays = strays.iter().map(|strays| json!({ "what": strays.what, "files": strays.files }));
+        output::json(&json!({
+            "whole": whole, "damaged": damaged.collect::<Vec<_>>(), "strays": strays.collect::<Vec<_>>(),
+        }));
     } else {
         for Fault { code, what, reason, help } in &faults {
             output::fault(global, Some(*code), &format!("{what}: {reason}"), Some(*help));
+        }
+        for Strays { what, files } in &strays {
+            let files = files.join(", ");
+            output::note(global, &format!("{what}: not part of the artefact, and ignored: {files}"));
         }
         output::note(global, &format!("{whole} artefacts are whole, {} are damaged", faults.len()));
     }
     if faults.is_empty() { Exit::Ok } else { Exit::StageFailed }
 }
 
-/// The number of intact artefacts, and the others. Fails for a folder that is not a store.
-fn artefacts(store: &Store) -> Result<(usize, Vec<Fault>), StoreError> {
+/// What a check of every artefact finds.
+struct Verified {
+    whole: usize,
+    faults: Vec<Fault>,
+    strays: Vec<Strays>,
+}
+
+/// Checks every artefact. Fails for a folder that is not a store.
+fn artefacts(store: &Store) -> Result<Verified, StoreError> {
     let nothing = |reason: String| StoreError::NotAStore { path: store.root().to_owned(), reason };
     match marker::identity(store.root())? {
         Identity::Marked | Identity::Unmarked => {}
         Identity::Absent => return Err(nothing("it does not exist".into())),
         Identity::Other { reason, .. } => return Err(nothing(reason)),
     }
-    let (mut whole, mut faults) = (0, Vec::new());
+    let (mut whole, mut faults, mut strays) = (0, Vec::new(), Vec::new());
     for kind in StageKind::ALL {
         for key in store.entries(kind)? {
+            let what = format!("{} {key}", kind.name());
+            let files = store.strays(kind, &key);
+            if !files.is_empty() {
+                strays.push(Strays { what: what.clone(), files });
+            }
             match store.inspect(kind, &key, Depth::Full) {
                 Cached::Damaged(reason) => faults.push(Fault {
                     code: "R0003",
-                    what: format!("{} {key}", kind.name()),
+                    what,
                     reason,
                     help: "run the spec again: the artefact is moved aside and made anew",
                 }),
@@ -193,7 +218,7 @@ fn artefacts(store: &Store) -> Result<(usize, Vec<Fault>), StoreError> {
             }
         }
     }
-    Ok((whole, faults))
+    Ok(Verified { whole, faults, strays })
 }
 
 /// Damaged checkpoints, from which no training would continue.

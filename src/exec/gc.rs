@@ -10,11 +10,11 @@ use super::journal::Journal;
 use super::lease;
 use super::line_file::Health;
 use super::lock::{self, Lock, Wait};
-use super::manifest::{self, Manifest};
+use super::manifest::{self, Depth, Manifest};
 use super::marker::{self, Identity, is_real};
 use super::store::Store;
 use crate::bounded;
-use crate::plan::{Fingerprint, StageKind};
+use crate::plan::{Cached, Fingerprint, StageKind};
 
 /// Selects what may be removed.
 #[derive(Clone, Copy, Debug, Default)]
@@ -56,9 +56,9 @@ pub struct Cleaning {
 }
 
 /// Finds what to remove: artefacts that the journal names, that are not the current one of any named stage,
-/// are older than the age and unused by running processes; damaged entries; and, if asked, checkpoints of
-/// stages that no process is running. E0813 if the folder is not a store, E0814 if the journal is not
-/// reliable.
+/// are older than the age and unused by running processes; damaged artefacts of any age, which no stage can
+/// use; and, if asked, checkpoints of stages that no process is running. E0813 if the folder is not a store,
+/// E0814 if the journal is not reliable.
 pub fn waste(store: &Store, rules: &Rules, wait: &Wait) -> Result<Cleaning, StoreError> {
     let root = store.root();
     match marker::identity(root)? {
@@ -116,9 +116,24 @@ fn artefacts(
         if !is_real(&store.root().join(kind.name()), Metadata::is_dir) {
             continue;
         }
-        for key in store.entries(kind)?.into_iter().filter(|key| !present.contains(key)) {
+        for key in store.entries(kind)? {
             let folder = store.folder(kind, &key);
-            if !is_real(&folder, Metadata::is_dir) || is_recent(&folder, rules.age) {
+            if !is_real(&folder, Metadata::is_dir) {
+                continue;
+            }
+            if matches!(store.inspect(kind, &key, Depth::Full), Cached::Damaged(_)) {
+                let lock = lock::attempt(&store.lock_path(&key))?.filter(|_| !held.contains(&key));
+                match lock {
+                    Some(_) => {
+                        cleaning
+                            .waste
+                            .push(entry(format!("damaged {} {}", kind.name(), key.short()), folder));
+                    }
+                    None => cleaning.leased += 1,
+                }
+                continue;
+            }
+            if present.contains(&key) || is_recent(&folder, rules.age) {
                 continue;
             }
             let is_passing = held.is_empty() && is_partial_report(store, kind, &key);

@@ -30,6 +30,7 @@ pub mod scheduler;
 mod shorter;
 pub mod speed;
 pub mod store;
+mod strays;
 mod verify;
 pub mod work;
 pub mod works;

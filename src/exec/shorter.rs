@@ -12,13 +12,14 @@ use serde_json::Value as Json;
 use super::fault::StoreError;
 use super::manifest::{self, Depth};
 use super::store::Store;
+use super::strays;
 use crate::learn::beside;
 use crate::learn::checkpoint::Checkpoint;
 use crate::plan::{Cached, Fingerprint, Recipe, Stage, StageKind};
 use crate::{bounded, finite, safe_fs};
 
 /// Records which shorter training was continued; next to the checkpoint and in the longer one's artefact.
-pub const FILE: &str = "continues.json";
+pub const FILE: &str = strays::CONTINUES;
 
 /// A shorter training that another one continues.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

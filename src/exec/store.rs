@@ -14,7 +14,7 @@ use super::line_file::LineFile;
 use super::lock::{self, Lock, Wait};
 use super::manifest::{self, Depth, FileRecord, Manifest, Provenance};
 use super::marker::{self, Identity};
-use super::verify;
+use super::{strays, verify};
 use crate::learn::checkpoint::Checkpoint;
 use crate::plan::{Cached, Fingerprint, Plan, Stage, StageKind};
 use crate::{bounded, finite, safe_fs};
@@ -23,12 +23,24 @@ use crate::{bounded, finite, safe_fs};
 #[derive(Clone, Debug)]
 pub struct Store {
     root: PathBuf,
+    /// A store that is only read: its artefacts count as this store's.
+    base: Option<PathBuf>,
 }
 
 impl Store {
     /// The store in this folder, which need not exist yet.
     pub fn at(root: impl Into<PathBuf>) -> Self {
-        Self { root: root.into() }
+        Self { root: root.into(), base: None }
+    }
+
+    /// A store in this folder that also has the artefacts of another one, to which it writes nothing.
+    pub fn over(base: &Self, root: impl Into<PathBuf>) -> Self {
+        Self { root: root.into(), base: Some(base.root.clone()) }
+    }
+
+    /// Whether the store can be written, or created. If not, its artefacts may still be readable.
+    pub fn is_writable(&self) -> bool {
+        self.prepare().is_ok()
     }
 
     /// Its folder.
@@ -98,7 +110,16 @@ impl Store {
 
     /// The folder of an artefact.
     pub fn folder(&self, kind: StageKind, key: &Fingerprint) -> PathBuf {
-        self.root.join(kind.name()).join(key.as_str())
+        self.holder(kind, key).join(kind.name()).join(key.as_str())
+    }
+
+    /// The folder of the store that has an artefact; its own for one that is missing.
+    fn holder(&self, kind: StageKind, key: &Fingerprint) -> &Path {
+        let has = |root: &Path| root.join(kind.name()).join(key.as_str()).exists();
+        match &self.base {
+            Some(base) if has(base) && !has(&self.root) => base,
+            _ => &self.root,
+        }
     }
 
     /// The file that is locked while an artefact is made.
@@ -113,7 +134,17 @@ impl Store {
 
     /// The keys of all artefacts of a kind, sorted.
     pub fn entries(&self, kind: StageKind) -> Result<Vec<Fingerprint>, StoreError> {
-        let folder = self.root.join(kind.name());
+        let mut keys = Self::entries_of(&self.root, kind)?;
+        if let Some(base) = &self.base {
+            keys.extend(Self::entries_of(base, kind)?);
+        }
+        keys.sort();
+        keys.dedup();
+        Ok(keys)
+    }
+
+    fn entries_of(root: &Path, kind: StageKind) -> Result<Vec<Fingerprint>, StoreError> {
+        let folder = root.join(kind.name());
         let fault = |error| StoreError::reading(&folder, error);
         let entries = match folder.read_dir() {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
@@ -123,15 +154,14 @@ impl Store {
         for entry in entries {
             keys.extend(Fingerprint::parse(&entry.map_err(fault)?.file_name().to_string_lossy()));
         }
-        keys.sort();
         Ok(keys)
     }
 
     /// The manifest of an artefact; `None` if the artefact is missing.
     pub fn manifest(&self, kind: StageKind, key: &Fingerprint) -> Result<Option<Manifest>, StoreError> {
         let path = self.folder(kind, key).join(manifest::FILE);
-        if let Err(error) = safe_fs::inside(&self.root, &format!("{}/{key}/{}", kind.name(), manifest::FILE))
-        {
+        let file = format!("{}/{key}/{}", kind.name(), manifest::FILE);
+        if let Err(error) = safe_fs::inside(self.holder(kind, key), &file) {
             return Err(StoreError::Damaged { path, reason: error.to_string() });
         }
         match bounded::text(&path, bounded::RECORD) {
@@ -154,6 +184,12 @@ impl Store {
             Err(StoreError::Damaged { reason, .. }) => Cached::Damaged(reason),
             Err(error) => Cached::Damaged(error.to_string()),
         }
+    }
+
+    /// The files in an artefact's folder that are not part of it, as paths in the folder.
+    pub fn strays(&self, kind: StageKind, key: &Fingerprint) -> Vec<String> {
+        let manifest = self.manifest(kind, key).ok().flatten();
+        manifest.map_or_else(Vec::new, |manifest| strays::of(&manifest, &self.folder(kind, key)))
     }
 
     /// Moves a damaged entry to `damaged/`, and returns its new path.
@@ -247,8 +283,8 @@ impl Draft<'_> {
             File::open(self.folder.join(&record.path)).and_then(|file| file.sync_all()).map_err(fault)?;
         }
         sync_folder(&self.folder).map_err(fault)?;
-        let target = self.store.folder(self.stage.kind, &self.stage.fingerprint);
         let parent = self.store.root.join(self.stage.kind.name());
+        let target = parent.join(self.stage.fingerprint.as_str());
         fs::create_dir_all(&parent).map_err(|error| StoreError::writing(&parent, error))?;
         match fs::rename(&self.folder, &target) {
             Ok(()) => {}

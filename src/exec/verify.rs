@@ -1,9 +1,10 @@
-//! Checks an artefact: its manifest and the files in its folder must agree.
+//! Checks an artefact: its manifest and the files in its folder must agree. Files that are no results may lie
+//! beside them.
 
 use std::path::Path;
 
-use super::manifest::{Depth, FILE, Manifest, digest, list};
-use super::{copies, evidence, numbers};
+use super::manifest::{Depth, FILE, Manifest, digest};
+use super::{copies, evidence, numbers, strays};
 use crate::plan::{Fingerprint, StageKind};
 use crate::safe_fs;
 
@@ -22,9 +23,10 @@ pub(super) fn check(
     if manifest.stage.fingerprint != *key {
         return Err(format!("{FILE} belongs to another stage"));
     }
-    let mut found = Vec::new();
-    list(folder, folder, &mut found).map_err(|error| error.to_string())?;
-    evidence::agrees(manifest, kind, &found)?;
+    evidence::agrees(manifest, kind)?;
+    if let Some(path) = strays::false_result(manifest, folder) {
+        return Err(format!("{path} is not in {FILE}"));
+    }
     for file in &manifest.files {
         let path = safe_fs::inside(folder, &file.path).map_err(|error| error.to_string())?;
         let size = path.metadata().map_err(|error| format!("{}: {error}", file.path))?.len();
