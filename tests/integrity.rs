@@ -113,7 +113,10 @@ fn reports_that_nobody_touched_are_whole_and_have_an_index() {
     fs::write(folder.path().join("studies/notes.md"), "# Notes\n").expect("it can be written");
     let output = report(folder.path(), &["--check", "--format", "json"]);
     let answer: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    assert_eq!(answer, serde_json::json!({ "whole": 2, "differing": [], "unverifiable": [], "runs": 0 }));
+    assert_eq!(
+        answer,
+        serde_json::json!({ "whole": 2, "differing": [], "out_of_date": [], "unverifiable": [], "runs": 0 })
+    );
     let output = report(folder.path(), &["--index", SUITE]);
     assert!(output.status.success(), "{}", told(&output));
     let index = fs::read_to_string(folder.path().join("README.md")).expect("an index");
@@ -320,12 +323,50 @@ fn an_index_that_was_edited_or_is_older_than_a_record_is_found_and_written_again
     assert!(told(&check()).contains("its last line with its digest is missing"), "{}", told(&check()));
     write();
     publish(&folder.path().join("studies"), "stand");
-    assert!(told(&check()).contains("from other records than those that are here now"), "{}", told(&check()));
+    let text = told(&check());
+    assert!(text.contains("it is out of date: it was written from other records"), "{text}");
+    assert!(text.contains("changed: 0; out of date: 1") && !text.contains("R0013"), "{text}");
+    assert!(text.contains("`specforge report --index` writes it again"), "{text}");
+    assert_eq!(check().status.code(), Some(4), "{text}");
     write();
     assert!(check().status.success(), "{}", told(&check()));
     // A page of somebody else is no index.
     fs::write(&index, "# My reports\n").expect("it can be written");
     assert!(check().status.success(), "{}", told(&check()));
+}
+
+#[test]
+fn a_page_whose_claims_changed_in_its_suite_is_out_of_date() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let suite = Path::new(env!("CARGO_MANIFEST_DIR")).join(SUITE);
+    let text = fs::read_to_string(&suite).expect("a suite");
+    let claims = specforge::check::suite(&suite, &Default::default()).claims;
+    let judged = |claim: &specforge::spec::claim::Claim| specforge::report::claim::Judged {
+        id: claim.id.clone(),
+        text: claim.text.clone(),
+        metric: specforge::report::claim::measured(claim),
+        expect: specforge::report::claim::expectation(claim),
+        ..Default::default()
+    };
+    let command = format!("specforge run {SUITE}");
+    let record = Sidecar { command, claims: claims.iter().map(judged).collect(), ..Sidecar::default() };
+    let found = |record: &Sidecar| specforge::study::out_of_date::claims(record);
+    assert_eq!(found(&record), None, "{text}");
+    let mut other = record.clone();
+    other.claims[0].text = "Another sentence".into();
+    let id = &record.claims[0].id;
+    let reason = found(&other).expect("it is out of date").reason;
+    assert!(reason.contains(&format!("the claim `{id}` changed in {SUITE}")), "{reason}");
+    let mut more = record.clone();
+    more.claims.push(specforge::report::claim::Judged { id: "gone".into(), ..Default::default() });
+    assert!(found(&more).expect("it is out of date").reason.contains("`gone`"));
+    // The command says so, and the page is unchanged nevertheless.
+    publish(folder.path(), "walk");
+    resealed(folder.path(), "walk", |walk| walk.command = other.command.clone());
+    let output = report(folder.path(), &["--check"]);
+    assert!(output.status.success(), "{}", told(&output));
+    let text = told(&output);
+    assert!(text.contains("walk.md: it is out of date: the claims") && text.contains(SUITE), "{text}");
 }
 
 #[test]
@@ -532,7 +573,8 @@ fn records_of_runs_are_verified_as_those_of_reports() {
     let folder = tempfile::tempdir().expect("a folder");
     let runs = folder.path().join("runs");
     fs::create_dir(&runs).expect("it can be made");
-    let record = runs.join("run.json");
+    let name = path.file_name().expect("a name").to_string_lossy().into_owned();
+    let record = runs.join(&name);
     let check = |text: &str| {
         fs::write(&record, text).expect("it can be written");
         let output = report(folder.path(), &["--check"]);
@@ -550,7 +592,7 @@ fn records_of_runs_are_verified_as_those_of_reports() {
     let run = json["run"].as_str().expect("a name").to_owned();
     let changed = check(&sealed.replacen(&run, "another run", 1));
     assert!(
-        changed.0 == Some(4) && changed.1.contains("run.json: it was changed after it was written"),
+        changed.0 == Some(4) && changed.1.contains(&format!("{name}: it was changed after it was written")),
         "{}",
         changed.1
     );
@@ -560,7 +602,7 @@ fn records_of_runs_are_verified_as_those_of_reports() {
         stripped["format"] = format.into();
         stripped["run"] = "another run".into();
         let (code, text) = check(&stripped.to_string());
-        assert!(code == Some(4) && text.contains(&format!("run.json: {REMOVED}")), "{text}");
+        assert!(code == Some(4) && text.contains(&format!("{name}: {REMOVED}")), "{text}");
         let mut import = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
         let store = folder.path().join("store");
         let import = import.arg("--store").arg(store).args(["cache", "import"]).arg(&runs).assert().code(4);
@@ -568,5 +610,42 @@ fn records_of_runs_are_verified_as_those_of_reports() {
         assert!(text.contains(REMOVED), "{text}");
     }
     let (code, text) = check(&sealed[..sealed.len() / 2]);
-    assert!(code == Some(4) && text.contains("runs/run.json: it is not JSON"), "{text}");
+    assert!(code == Some(4) && text.contains(&format!("runs/{name}: it is not JSON")), "{text}");
+}
+
+#[test]
+fn a_record_of_a_run_under_another_name_and_a_copy_elsewhere_are_found() {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/paper/runs");
+    let paths = listing::files(&source, "json");
+    let [path, other, ..] = &paths[..] else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let runs = folder.path().join("runs");
+    fs::create_dir(&runs).expect("it can be made");
+    let name = |path: &Path| path.file_name().expect("a name").to_string_lossy().into_owned();
+    let import = || {
+        let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
+        let store = folder.path().join("store");
+        let output = command.arg("--store").arg(store).args(["cache", "import"]).arg(&runs).output();
+        let output = output.expect("it runs");
+        (output.status.code(), told(&output))
+    };
+    let check = || {
+        let output = report(folder.path(), &["--check"]);
+        (output.status.code(), told(&output))
+    };
+    for wrong in [name(other), "copy.json".to_owned(), name(path).replace(".json", " (1).json")] {
+        fs::copy(path, runs.join(&wrong)).expect("it can be copied");
+        for (code, text) in [check(), import()] {
+            assert!(code == Some(4) && text.contains("it was renamed or copied"), "{wrong}: {text}");
+            assert!(text.contains(&wrong), "{text}");
+        }
+        fs::remove_file(runs.join(&wrong)).expect("it is there");
+    }
+    fs::copy(path, runs.join(name(path))).expect("it can be copied");
+    assert_eq!(check().0, Some(0), "{}", check().1);
+    let more = folder.path().join("more/runs");
+    fs::create_dir_all(&more).expect("it can be made");
+    fs::copy(path, more.join(name(path))).expect("it can be copied");
+    let (code, text) = check();
+    assert!(code == Some(4) && text.contains("it is the same record of a run as"), "{text}");
 }

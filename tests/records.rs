@@ -196,6 +196,55 @@ fn what_cannot_be_imported_or_exported_is_said_and_makes_no_store() {
     );
 }
 
+/// Makes a store one that nobody can write, not even root: files stand where its folders for that would be.
+fn closed(store: &Path) {
+    for folder in ["tmp", "scratch", "locks", "leases"] {
+        fs::remove_dir_all(store.join(folder)).unwrap();
+        fs::write(store.join(folder), "").unwrap();
+    }
+}
+
+fn content(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut found = Vec::new();
+    for path in records(folder) {
+        match path.is_dir() {
+            true => found.extend(content(&path)),
+            false => found.push((path.clone(), fs::read(&path).unwrap())),
+        }
+    }
+    found
+}
+
+#[test]
+fn a_report_is_rendered_from_a_store_that_cannot_be_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let (store, reports) = (at("store"), at("reports"));
+    page(&store, &[]);
+    let own = fs::read(store.join("reports/tocabi_walk_torque.json")).unwrap();
+    closed(&store);
+    let render = || specforge(&store, &["report", "--reports", reports.to_str().unwrap()], &[]);
+    let before = content(&store);
+    succeeds(&render());
+    assert_eq!(fs::read(reports.join("tocabi_walk_torque.json")).unwrap(), own);
+    // Without the rendered report, too: rendering only reads the results.
+    fs::remove_dir_all(store.join("report")).unwrap();
+    fs::remove_dir_all(&reports).unwrap();
+    let rest: Vec<_> =
+        before.into_iter().filter(|(path, _)| !path.starts_with(store.join("report"))).collect();
+    succeeds(&render());
+    assert!(reports.join("tocabi_walk_torque.md").is_file());
+    assert!(content(&store) == rest, "the store is as it was");
+    // What was written into a page by hand outlives it.
+    let edited = reports.join("tocabi_walk_torque.md");
+    let text = fs::read_to_string(&edited).unwrap() + "\nMy note.\n";
+    fs::write(&edited, &text).unwrap();
+    let told = succeeds(&render());
+    assert!(told.contains("warning: ") && told.contains("was edited after it was rendered"), "{told}");
+    assert_eq!(fs::read_to_string(reports.join("tocabi_walk_torque.md.edited")).unwrap(), text);
+    assert!(!fs::read_to_string(&edited).unwrap().contains("My note."));
+}
+
 /// A record with one change, in the first of its stages that the change applies to.
 fn changed(record: &Json, change: impl Fn(&mut Json) -> bool) -> String {
     let mut record = record.clone();
@@ -212,6 +261,13 @@ fn a_record_with_other_numbers_or_without_a_part_is_refused_and_restores_nothing
     page(&store, &[]);
     succeeds(&specforge(&store, &["cache", "export", "--to", saved.to_str().unwrap()], &[]));
     let path = saved.join("tocabi_walk_torque.tocabi_walk_torque.json");
+    // A record knows its file, so one under another name that ends in the same run is refused.
+    let renamed = saved.join("other.tocabi_walk_torque.json");
+    fs::rename(&path, &renamed).unwrap();
+    let output = specforge(&at("none"), &["cache", "import", saved.to_str().unwrap()], &[]);
+    assert_eq!(output.status.code(), Some(4), "{}", text_of(&output));
+    assert!(text_of(&output).contains("it was renamed or copied"), "{}", text_of(&output));
+    fs::rename(&renamed, &path).unwrap();
     let record: Json = serde_json::from_str(&fs::read_to_string(&path).unwrap()).unwrap();
     let evaluation = |stage: &mut Json, change: &dyn Fn(&mut serde_json::Map<String, Json>)| {
         let files = stage["files"].as_object_mut().expect("files");

@@ -322,7 +322,7 @@ fn run_and_publish(folder: &Path) -> PathBuf {
     let Some(artefact) = outcome.report else {
         panic!("a failed arm leaves a report: {:?}", outcome.failures)
     };
-    publish(&artefact, &folder.join("reports"), "atlas_run_torque").expect("the report can be copied")
+    publish(&artefact, &folder.join("reports"), "atlas_run_torque").expect("the report can be copied").page
 }
 
 #[test]

@@ -230,8 +230,8 @@ fn a_published_report_is_a_copy_that_is_left_alone_when_nothing_changed() {
     let (store, plan) = (tempfile::tempdir().expect("a folder"), plan(&[arm("torque", "torque")]));
     let outcome = execute(&plan, store.path(), &Fake::default(), 2).outcome.expect("the store works");
     let (artefact, reports) = (outcome.report.expect("a report"), store.path().join("reports"));
-    let path = specforge::report::publish::publish(&artefact, &reports, "made").expect("it can be written");
-    assert_eq!(path, reports.join("made.md"));
+    let made = specforge::report::publish::publish(&artefact, &reports, "made").expect("it can be written");
+    assert_eq!(made.page, reports.join("made.md"));
     assert_eq!(
         fs::read(reports.join("made.json")).expect("a copy"),
         fs::read(artefact.join("made.json")).expect("it")

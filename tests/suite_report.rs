@@ -161,7 +161,7 @@ fn published(folder: &Path) -> PathBuf {
     let Some(artefact) = outcome.report else {
         panic!("a failed run leaves a report: {:?}", outcome.failures)
     };
-    publish(&artefact, &folder.join("reports"), "exploration").expect("the report can be copied")
+    publish(&artefact, &folder.join("reports"), "exploration").expect("the report can be copied").page
 }
 
 #[test]

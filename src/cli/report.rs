@@ -86,7 +86,20 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         output::note(global, &format!("warning: {lacking} of {all} stages are {absent}: {shown}"));
     }
     output::note(global, &note.unwrap_or_default());
-    execute(&study, &store, Destination { folder: &folder, own: &own }, global)
+    let destination = Destination { folder: &folder, own: &own };
+    if store.is_writable() {
+        return execute(&study, &store, destination, global);
+    }
+    // Rendering only reads the results, so a store that cannot be written is enough.
+    match tempfile::tempdir() {
+        Ok(beside) => execute(&study, &Store::over(&store, beside.path()), destination, global),
+        Err(error) => {
+            let path = std::env::temp_dir();
+            let message = format!("the report cannot be rendered: {}: {error}", path.display());
+            output::complain(global, &message, Some("make the store or the folder `TMPDIR` writable"));
+            Exit::StageFailed
+        }
+    }
 }
 
 /// The stages whose results will be missing from the report.
@@ -140,7 +153,7 @@ fn execute(study: &Study, store: &Store, destination: Destination, global: &Glob
         Ok(ready) => ready,
         Err(error) => return faults::unready(&error, global),
     };
-    match ready.publisher.publish(&ready.artefact, &ready.name) {
+    match ready.publish(&|text| tell(&format!("warning: {text}"))) {
         Err(error) => faults::store(global, &error),
         Ok(path) => {
             if global.format == Format::Json {

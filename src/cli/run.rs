@@ -278,7 +278,7 @@ fn publish(
     let ready =
         publication::ready(artefact, study, destination, workshop, &|text| output::note(global, text))
             .map_err(|error| faults::unready(&error, global))?;
-    let Ready { publisher, name, artefact, .. } = &ready;
+    let Ready { name, artefact, .. } = &ready;
     let record = Sidecar::read(&Sidecar::path(artefact, name)).map_err(|error| {
         faults::store(global, &StoreError::Damaged { path: artefact.clone(), reason: error.to_string() })
     })?;
@@ -288,7 +288,8 @@ fn publish(
     let published = match (!is_whole).then(objection).flatten() {
         Some((reason, advice)) => Published::Kept(reason, advice),
         None => {
-            Published::Page(publisher.publish(artefact, name).map_err(|error| faults::store(global, &error))?)
+            let page = ready.publish(&|text| output::note(global, &format!("warning: {text}")));
+            Published::Page(page.map_err(|error| faults::store(global, &error))?)
         }
     };
     Ok((published, record))

@@ -7,6 +7,7 @@ pub mod crossing;
 pub mod deviations;
 pub mod digests;
 pub mod earlier;
+pub mod edits;
 pub mod estimate;
 pub mod fields;
 pub mod figure;

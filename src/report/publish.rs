@@ -9,6 +9,7 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use super::edits;
 use super::sidecar::Sidecar;
 use crate::bounded;
 use crate::exec::StoreError;
@@ -20,6 +21,29 @@ use crate::safe_fs;
 struct Copy {
     path: String,
     bytes: Vec<u8>,
+}
+
+/// A published report.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Publication {
+    /// The path of its page, `NAME.md`.
+    pub page: PathBuf,
+    /// Copies of files of the earlier report that were edited by hand.
+    pub kept: Vec<PathBuf>,
+}
+
+impl Publication {
+    /// What to tell the user about the copies.
+    pub fn warnings(&self) -> impl Iterator<Item = String> + '_ {
+        self.kept.iter().map(|copy| {
+            let file = copy.with_extension("");
+            format!(
+                "{} was edited after it was rendered: the edited file is kept as {}",
+                file.display(),
+                copy.display()
+            )
+        })
+    }
 }
 
 /// A folder of reports (`reports/`), locked against other publishers for the lifetime of this value.
@@ -36,26 +60,29 @@ impl<'a> Publisher<'a> {
         Ok(Self { folder, _lock: lock::folder(folder, wait)? })
     }
 
-    /// Copies a report's files into the folder and returns the path of its page, `NAME.md`. An identical
-    /// report is left alone.
-    pub fn publish(&self, artefact: &Path, name: &str) -> Result<PathBuf, StoreError> {
+    /// Copies a report's files into the folder. An identical report is left alone. Files of an earlier report
+    /// that were edited by hand are copied aside first.
+    pub fn publish(&self, artefact: &Path, name: &str) -> Result<Publication, StoreError> {
         let (folder, files) = (self.folder, read(artefact, name)?);
         let page = folder.join(format!("{name}.md"));
         let unwritten = |error| StoreError::publishing(&page, error);
         let stale = stale(folder, name, &files);
         if stale.is_empty() && files.iter().all(|file| is_there(folder, file)) {
-            return Ok(page);
+            return Ok(Publication { page, kept: Vec::new() });
         }
         let exchange = Exchange { folder, staging: format!(".{name}.publishing"), name };
         exchange.recover().map_err(unwritten)?;
         exchange.stage(&files).map_err(unwritten)?;
+        let is_new =
+            |path: &str, bytes: &[u8]| files.iter().any(|file| file.path == path && file.bytes == bytes);
+        let kept = edits::keep(folder, name, &is_new).map_err(unwritten)?;
         exchange.swap(&files, &stale).map_err(unwritten)?;
-        Ok(page)
+        Ok(Publication { page, kept })
     }
 }
 
 /// Locks the folder and publishes under a name; see [`Publisher::publish`].
-pub fn publish(artefact: &Path, folder: &Path, name: &str) -> Result<PathBuf, StoreError> {
+pub fn publish(artefact: &Path, folder: &Path, name: &str) -> Result<Publication, StoreError> {
     Publisher::lock(folder, &Wait::default())?.publish(artefact, name)
 }
 
@@ -293,7 +320,7 @@ mod tests {
         let outer = tempfile::tempdir().unwrap();
         let (store, reports) = (outer.path().join("artefact"), outer.path().join("reports"));
         first(&store);
-        assert_eq!(publish(&store, &reports, "walk").unwrap(), reports.join("walk.md"));
+        assert_eq!(publish(&store, &reports, "walk").unwrap().page, reports.join("walk.md"));
         fs::write(reports.join("walk/mine.svg"), "drawn by hand").unwrap();
         fs::write(outer.path().join("outside.svg"), "not ours").unwrap();
         fs::create_dir(reports.join("other")).unwrap();

@@ -5,6 +5,7 @@
 pub mod compared;
 pub mod files;
 pub mod findings;
+pub mod out_of_date;
 pub mod page;
 pub mod page_name;
 pub mod plan;
@@ -20,7 +21,7 @@ use std::path::PathBuf;
 pub use self::findings::{Findings, Log};
 use self::page_name::Destination;
 use self::publication::Unready;
-use crate::exec::{self, Events, Interrupt, Store, StoreError, Workshop};
+use crate::exec::{self, Event, Events, Interrupt, Store, StoreError, Workshop};
 use crate::plan::Plan;
 use crate::report::paths;
 use crate::spec::LoadOptions;
@@ -112,6 +113,10 @@ impl Study {
         let folder = self.reports();
         let destination = Destination { folder: &folder, own: &self.name };
         let ready = publication::ready(artefact, self, destination, &workshop, &|_| ())?;
-        Ok(Some(ready.publisher.publish(&ready.artefact, &ready.name)?))
+        let warn = |text: &str| {
+            let message = text.to_owned();
+            events.emit(Event::Warning { stage: None, code: None, message, help: None });
+        };
+        Ok(Some(ready.publish(&warn)?))
     }
 }

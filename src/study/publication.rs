@@ -26,6 +26,16 @@ pub struct Ready<'a> {
     _lease: Option<Lease>,
 }
 
+impl Ready<'_> {
+    /// Publishes the report and returns the path of its page. `tell` receives a warning for each file of the
+    /// earlier report that was edited by hand and is kept as a copy.
+    pub fn publish(&self, tell: &dyn Fn(&str)) -> Result<PathBuf, StoreError> {
+        let publication = self.publisher.publish(&self.artefact, &self.name)?;
+        publication.warnings().for_each(|warning| tell(&warning));
+        Ok(publication.page)
+    }
+}
+
 /// Why a report cannot be published.
 #[derive(Debug, thiserror::Error)]
 pub enum Unready {

@@ -5,6 +5,7 @@
 //! report; a stage that needs the weights repeats the training, which gives bit-identical results.
 
 mod curve;
+mod names;
 mod read;
 mod restore;
 mod save;
@@ -35,6 +36,10 @@ pub struct RunRecord {
     pub format: u32,
     /// The arm and its seed, as reports name the run.
     pub run: String,
+    /// The name of its file without `.json`; empty in records of earlier versions, whose file names end with
+    /// the run's name.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub file: String,
     /// The trainings and evaluations in the order of the pipeline.
     pub stages: Vec<StageRecord>,
     /// BLAKE3 of the record's canonical JSON without this field; empty in records of earlier versions.

@@ -1,8 +1,8 @@
-//! Reads the record of a run and compares it with its digest.
+//! Reads the record of a run and compares it with its digest and its file name.
 
 use std::path::Path;
 
-use super::{FORMAT, RunRecord, UNSEALED};
+use super::{FORMAT, RunRecord, UNSEALED, names};
 use crate::bounded;
 use crate::seal::unsealed::Unsealed;
 use crate::seal::{self, Seal};
@@ -16,7 +16,7 @@ pub(super) fn read(path: &Path, unsealed: &Unsealed) -> Result<RunRecord, String
         return Err(format!("its format is {}, this version reads {FORMAT}", record.format));
     }
     match seal::state(&text, unsealed) {
-        Seal::Whole | Seal::Earlier(_) => Ok(record),
+        Seal::Whole | Seal::Earlier(_) => names::flaw(&record, path).map_or(Ok(record), Err),
         Seal::Broken => {
             Err("it was changed after it was written: it does not have its own digest".to_owned())
         }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value as Json;
 
-use super::{Curve, FORMAT, RecordError, RunRecord, StageRecord};
+use super::{Curve, FORMAT, RecordError, RunRecord, StageRecord, names};
 use crate::bounded;
 use crate::exec::manifest::{self, Depth, Manifest};
 use crate::exec::store::Store;
@@ -41,9 +41,9 @@ pub fn save(
     weights: bool,
 ) -> Result<Saved, RecordError> {
     let mut saved = Saved::default();
-    let mut names = BTreeSet::new();
+    let mut known = BTreeSet::new();
     for arm in &plan.arms {
-        let stem = stem(name, arm, &mut names);
+        let stem = names::stem(name, &arm.name, &mut known);
         let path = folder.join(format!("{stem}.json"));
         let stages = recorded(plan, arm);
         if stages
@@ -54,7 +54,11 @@ pub fn save(
         } else if is_record_of(&path, &stages, weights) {
             saved.present += 1;
         } else {
-            let record = record(store, arm, &stages, weights.then_some((folder, stem.as_str())))?;
+            let beside = weights.then_some(Beside { folder, stem: &stem });
+            let stages =
+                stages.iter().map(|stage| stage_record(store, stage, beside)).collect::<Result<_, _>>()?;
+            let (run, seal) = (arm.name.clone(), String::new());
+            let record = RunRecord { format: FORMAT, run, file: stem, stages, seal };
             let text =
                 |record: &RunRecord| finite::to_string(record).map_err(|found| RecordError::at(&path, found));
             let record = RunRecord { seal: seal::of(&text(&record)?).unwrap_or_default(), ..record };
@@ -85,6 +89,9 @@ fn is_record_of(path: &Path, stages: &[&Stage], weights: bool) -> bool {
     if record.format != FORMAT || seal::state(&text, Unsealed::known()) != Seal::Whole {
         return false;
     }
+    if names::flaw(&record, path).is_some() {
+        return false;
+    }
     let found: Option<Vec<&str>> =
         record.stages.iter().map(|stage| stage.manifest.pointer("/stage/fingerprint")?.as_str()).collect();
     let is_whole = |stage: &StageRecord| {
@@ -108,21 +115,15 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), RecordError> {
     safe_fs::replace(path, bytes).map_err(|source| RecordError::Unwritten { path: path.to_owned(), source })
 }
 
-fn record(
-    store: &Store,
-    arm: &ArmRecord,
-    stages: &[&Stage],
-    weights: Option<(&Path, &str)>,
-) -> Result<RunRecord, RecordError> {
-    let stages = stages.iter().map(|stage| stage_record(store, stage, weights)).collect::<Result<_, _>>()?;
-    Ok(RunRecord { format: FORMAT, run: arm.name.clone(), stages, seal: String::new() })
+/// Where the weights of a run are written.
+#[derive(Clone, Copy)]
+struct Beside<'a> {
+    folder: &'a Path,
+    /// The start of their file names.
+    stem: &'a str,
 }
 
-fn stage_record(
-    store: &Store,
-    stage: &Stage,
-    weights: Option<(&Path, &str)>,
-) -> Result<StageRecord, RecordError> {
+fn stage_record(store: &Store, stage: &Stage, weights: Option<Beside>) -> Result<StageRecord, RecordError> {
     let folder = store.folder(stage.kind, &stage.fingerprint);
     let path = folder.join(manifest::FILE);
     let text = bounded::text(&path, bounded::RECORD).map_err(|error| RecordError::at(&path, error))?;
@@ -142,7 +143,9 @@ fn stage_record(
                 evaluation.shift_remove("trace");
             }
             files.insert(file.path.clone(), value);
-        } else if let Some((target, stem)) = weights.filter(|_| WEIGHTS.contains(&file.path.as_str())) {
+        } else if let Some(Beside { folder: target, stem }) =
+            weights.filter(|_| WEIGHTS.contains(&file.path.as_str()))
+        {
             let name = format!("{stem}.{}.{}", stage.kind.name(), file.path);
             let bytes =
                 bounded::bytes(&path, bounded::ARTEFACT).map_err(|error| RecordError::at(&path, error))?;
@@ -153,18 +156,4 @@ fn stage_record(
     }
     let digest = StageRecord::digest_of(&files, curve.as_ref());
     Ok(StageRecord { manifest, files, curve, beside, digest })
-}
-
-/// A unique start of a file name for a run.
-fn stem(name: &str, arm: &ArmRecord, known: &mut BTreeSet<String>) -> String {
-    let plain = |c: char| if c.is_ascii_alphanumeric() || matches!(c, '.' | '-') { c } else { '_' };
-    let mut words: String = arm.name.chars().map(plain).collect();
-    while words.contains("__") {
-        words = words.replace("__", "_");
-    }
-    let stem = format!("{name}.{}", words.trim_matches('_'));
-    let digest = || blake3::hash(arm.name.as_bytes()).to_hex().to_string();
-    let stem = if known.contains(&stem) { format!("{stem}.{}", &digest()[..8]) } else { stem };
-    known.insert(stem.clone());
-    stem
 }

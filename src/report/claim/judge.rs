@@ -157,6 +157,14 @@ pub fn measured(claim: &Claim) -> String {
     measured
 }
 
+/// Whether a verdict is that of a claim as it is now: same sentence, metric and expectation.
+pub fn is_of(judged: &Judged, claim: &Claim) -> bool {
+    judged.id == claim.id
+        && judged.text == claim.text
+        && judged.metric == measured(claim)
+        && judged.expect == expectation(claim)
+}
+
 /// `control=torque > control=position`.
 pub fn expectation(claim: &Claim) -> String {
     let arm = |side: &str| claim.sides.get(side).map_or_else(|| side.to_owned(), |pattern| pattern.written());

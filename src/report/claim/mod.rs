@@ -23,7 +23,7 @@ use serde_json::json;
 pub use again::again;
 pub use agreement::disagreements;
 pub use evidence::Evidence;
-pub use judge::{expectation, judge, measured};
+pub use judge::{expectation, is_of, judge, measured};
 pub use planned::{Planned, PlannedArm, planned};
 pub use power::settled_by;
 pub use sample::{Asked, name, value_of};

@@ -18,17 +18,29 @@ pub fn marked(page: &str, records: &BTreeMap<String, String>) -> String {
     format!("{page}\n{}\n", line(page, records))
 }
 
-/// What is wrong with an index; `None` if it is unchanged, and for pages not written by specforge.
-pub fn flaw(text: &str, records: &BTreeMap<String, String>) -> Option<&'static str> {
+/// What is wrong with an index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flaw {
+    /// It was edited; what shows that.
+    Changed(&'static str),
+    /// It is unchanged, and reports were added, rendered again or removed since it was written.
+    OutOfDate,
+}
+
+/// What is wrong with an index; `None` if it is unchanged and current, and for pages not written by
+/// specforge.
+pub fn flaw(text: &str, records: &BTreeMap<String, String>) -> Option<Flaw> {
     let Some((page, _)) = text.split_once(&format!("\n{BEGIN}")) else {
         let is_ours = SENTENCES.iter().any(|sentence| text.contains(sentence));
-        return is_ours.then_some("it is the index, and its last line with its digest is missing");
+        let reason = "it is the index, and its last line with its digest is missing";
+        return is_ours.then_some(Flaw::Changed(reason));
     };
     let last = text[page.len()..].trim_matches('\n');
     if !last.contains(&digest(page)) || last.lines().count() != 1 {
-        return Some("it was changed after it was written: it does not have its own digest");
+        let reason = "it was changed after it was written: it does not have its own digest";
+        return Some(Flaw::Changed(reason));
     }
-    (last != line(page, records)).then_some("it was written from other records than those that are here now")
+    (last != line(page, records)).then_some(Flaw::OutOfDate)
 }
 
 fn line(page: &str, records: &BTreeMap<String, String>) -> String {
@@ -54,14 +66,15 @@ mod tests {
         let page = format!("# Reports\n\n{}\n\n| walk | FAIL |\n", SENTENCES[0]);
         let index = marked(&page, &records);
         assert_eq!(flaw(&index, &records), None);
-        let changed = Some("it was changed after it was written: it does not have its own digest");
+        let reason = "it was changed after it was written: it does not have its own digest";
+        let changed = Some(Flaw::Changed(reason));
         assert_eq!(flaw(&index.replace("FAIL", "PASS"), &records), changed);
         assert_eq!(flaw(&format!("{index}\nMore.\n"), &records), changed);
-        let missing = Some("it is the index, and its last line with its digest is missing");
+        let missing = Some(Flaw::Changed("it is the index, and its last line with its digest is missing"));
         assert_eq!(flaw(&page, &records), missing);
         assert_eq!(flaw("# My notes\n", &records), None);
         let others = BTreeMap::from([("paper/walk".to_owned(), "34cd".to_owned())]);
-        let older = Some("it was written from other records than those that are here now");
+        let older = Some(Flaw::OutOfDate);
         assert_eq!(flaw(&index, &others), older);
         assert_eq!(flaw(&index, &BTreeMap::new()), older);
     }

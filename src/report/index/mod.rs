@@ -162,13 +162,7 @@ impl Index {
     fn state(&self, suite: &Listed, claim: &Claim) -> State<'_> {
         let Some(report) = self.reports.get(&suite.page) else { return State::NotRun };
         match report.claims.iter().find(|judged| judged.id == claim.id) {
-            Some(judged)
-                if judged.text == claim.text
-                    && judged.metric == claim::measured(claim)
-                    && judged.expect == claim::expectation(claim) =>
-            {
-                State::Judged(judged)
-            }
+            Some(judged) if claim::is_of(judged, claim) => State::Judged(judged),
             _ => State::Changed,
         }
     }

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::{Found, Place, mark};
 use crate::bounded;
 use crate::report::index::FILE;
+use crate::report::index::mark::Flaw;
 
 impl Place<'_> {
     /// Compares the index of this folder with its own digest and with the records in and below it.
@@ -16,8 +17,16 @@ impl Place<'_> {
             let name = Path::new(name).strip_prefix(here).ok()?;
             Some((name.display().to_string(), content.clone()))
         });
-        let Some(reason) = mark::flaw(&text, &below.collect()) else { return };
+        let (place, reason) = match mark::flaw(&text, &below.collect()) {
+            None => return,
+            Some(Flaw::Changed(reason)) => (&mut found.unwritten, reason),
+            Some(Flaw::OutOfDate) => {
+                let reason =
+                    "it is out of date: it was written from other records than those that are here now";
+                (&mut found.out_of_date, reason)
+            }
+        };
         let fix = "`specforge report --index` writes it again".to_owned();
-        found.unwritten.push(self.fault(&path.with_extension(""), &path, reason, fix));
+        place.push(self.fault(&path.with_extension(""), &path, reason, fix));
     }
 }

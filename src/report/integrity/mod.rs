@@ -47,13 +47,26 @@ pub struct Found {
     pub contents: BTreeMap<String, String>,
     /// Number of unchanged records of runs.
     pub runs: usize,
+    /// Their paths in the folder of reports, by file name and content.
+    run_paths: BTreeMap<RunFile, String>,
     /// Files that were changed after publication.
     pub faults: Vec<Fault>,
     /// Changes that the next `specforge report --index` makes: missing notices of earlier rules, and an index
-    /// that does not match the records.
+    /// that was edited.
     pub unwritten: Vec<Fault>,
+    /// An unchanged index that was written before today's records.
+    pub out_of_date: Vec<Fault>,
     /// Reports without a fault that lack digests to verify.
     pub unverifiable: Vec<Unverifiable>,
+}
+
+/// The file of a record of a run.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct RunFile {
+    /// Its name without the folder.
+    name: String,
+    /// BLAKE3 of its bytes.
+    content: String,
 }
 
 impl Found {
@@ -130,7 +143,7 @@ impl Place<'_> {
     /// Handles a JSON file that is not a report's record: a run's, or another in a folder without pages.
     fn other(&self, path: &Path, error: &RecordError, has_pages: bool, found: &mut Found) {
         match records::verify(path, self.unsealed) {
-            Some(Ok(())) => found.runs += 1,
+            Some(Ok(())) => self.run(path, found),
             Some(Err(reason)) => {
                 let fix = "restore it from version control, or write it again: delete it and \
                            `specforge cache export SPEC --to DIR`";
@@ -138,6 +151,24 @@ impl Place<'_> {
             }
             None if has_pages => found.faults.push(self.unreadable(path, error)),
             None => found.faults.extend(self.no_json(path)),
+        }
+    }
+
+    /// Counts an unchanged record of a run, unless it is a copy of another one.
+    fn run(&self, path: &Path, found: &mut Found) {
+        let bytes = bounded::bytes(path, bounded::RECORD).unwrap_or_default();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let file = RunFile { name, content: blake3::hash(&bytes).to_hex().to_string() };
+        match found.run_paths.get(&file) {
+            None => {
+                found.run_paths.insert(file, self.seen(path));
+                found.runs += 1;
+            }
+            Some(other) => {
+                let reason = format!("it is the same record of a run as `{other}`: one of them is a copy");
+                let fix = "delete the copy".to_owned();
+                found.faults.push(self.fault(&path.with_extension(""), path, reason, fix));
+            }
         }
     }
 
