@@ -17,6 +17,9 @@ use crate::spec::{Param, Section, Table, Value};
 use crate::syntax::assign::assignment_of;
 use crate::syntax::{Item, Layer, Map, Node};
 
+/// Physics rate in Hz in engines that the policy was not trained in, unless the user names one.
+const OTHER_RATE: f64 = 2000.0;
+
 /// What to evaluate.
 pub struct Conditions {
     /// One per engine and command.
@@ -79,7 +82,10 @@ impl Desk {
     }
 
     fn conditions(&mut self, options: &Options, blueprint: &Blueprint) -> Option<Conditions> {
-        let rate = self.number("--rate", "rate", &options.rate);
+        let rate = match &options.rate {
+            Some(text) => self.number("--rate", "rate", text).map(Some),
+            None => Some(None),
+        };
         let episodes = self.count("--episodes", "episodes", &options.episodes);
         let seed = self.count("--seed", "seed", &options.seed);
         let time_limit = match &options.time_limit {
@@ -105,7 +111,8 @@ impl Desk {
         let (rate, commands) = (rate?, commands?);
         let transfer = |engine: &String, command: Option<f64>| {
             let own = engine == blueprint.engine();
-            let rate = if own { blueprint.physics_rate() } else { rate };
+            let usual = if own { blueprint.physics_rate() } else { OTHER_RATE };
+            let rate = rate.unwrap_or(usual);
             let mut protocol = protocol.clone();
             protocol.conditions.iter_mut().for_each(|condition| condition.command = command);
             Transfer { engine: engine.clone(), rate, contact_time: None, protocol }

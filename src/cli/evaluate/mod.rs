@@ -35,9 +35,10 @@ pub struct Options {
     /// Engines, separated by commas: rapier, mujoco, batch [default: the one that it was trained in]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     engine: Vec<String>,
-    /// Physics rate in engines that it was not trained in; in its own it is the training's
-    #[arg(long, value_name = "RATE", default_value = "2000 Hz", allow_hyphen_values = true)]
-    rate: String,
+    /// Physics rate in all engines [default: the training's in the engine that it was trained in, 2000 Hz in
+    /// others]
+    #[arg(long, value_name = "RATE", allow_hyphen_values = true)]
+    rate: Option<String>,
     /// Episodes per engine and command
     #[arg(long, value_name = "N", default_value = "32", allow_negative_numbers = true)]
     episodes: String,
