@@ -282,7 +282,7 @@ fn files() -> Vec<Case> {
         case("mesh that is a folder", mesh("folder.stl"), ("E0414", 3, "it is a folder")),
         case("include above", include("../../../../etc/passwd"), ("E0414", 2, "outside the robot's folder")),
         case("include of nothing", include("nothing.xml"), ("E0414", 2, "not there")),
-        case("include of itself", include("self.xml"), ("E0412", 2, "twice")),
+        case("include of itself", include("self.xml"), ("E0414", 2, "twice")),
         case("include of a gigabyte", include("huge.stl"), ("E0415", 2, "1024 MiB")),
         case("include of nonsense", include("nonsense.stl"), ("E0410", 1, "well-formed")),
         case("huge itself", "huge".into(), ("E0415", 0, "1024 MiB")),

@@ -133,6 +133,21 @@ fn figures_in_other_units_are_told_at_the_import_in_show_and_in_check() {
 }
 
 #[test]
+fn a_link_to_nothing_and_a_folder_are_no_robots() {
+    let folder = tempfile::tempdir().expect("a folder");
+    assert_eq!(code(&import(folder.path(), CRANE, &[])), 0);
+    let robots = folder.path().join("robots");
+    std::os::unix::fs::symlink("nowhere.toml", robots.join("ghost.toml")).expect("a link");
+    std::os::unix::fs::symlink("crane.toml", robots.join("heron.toml")).expect("a link");
+    fs::create_dir(robots.join("attic.toml")).expect("a folder");
+    let listed = told(&specforge(folder.path(), &["list", "robots"]));
+    assert!(listed.contains("crane") && listed.contains("heron"), "{listed}");
+    assert!(!listed.contains("ghost") && !listed.contains("attic"), "{listed}");
+    let new = told(&specforge(folder.path(), &["new", "walk.toml", "--robot", "gost"]));
+    assert!(!new.contains("ghost"), "{new}");
+}
+
+#[test]
 fn a_robot_that_cannot_stand_is_refused_by_every_command() {
     let folder = tempfile::tempdir().expect("a folder");
     assert_eq!(code(&import(folder.path(), CRANE, &[])), 0);
@@ -161,7 +176,7 @@ fn a_robot_that_cannot_stand_is_refused_by_every_command() {
     ] {
         let imported = import(folder.path(), &urdf, fills);
         let mark = format!("error[{expected}]");
-        assert!(code(&imported) == 0 && told(&imported).contains(&mark), "{name}: {}", told(&imported));
+        assert!(code(&imported) == 3 && told(&imported).contains(&mark), "{name}: {}", told(&imported));
         let few: [&[&str]; 2] = [&["robot", "show", "crane"], &["check", "squat.toml"]];
         let more: [&[&str]; 6] = [
             &["check", "suite.toml"],

@@ -119,7 +119,10 @@ impl Shelf<'_> {
 
     /// All names that a spec of the project can use, sorted.
     pub fn names(&self, files: &dyn Files, root: Option<&Path>) -> Vec<String> {
-        let written = root.map(|root| files.names(&root.join(self.folder))).unwrap_or_default();
+        let folder = root.map(|root| root.join(self.folder));
+        let mut written = folder.as_deref().map(|folder| files.names(folder)).unwrap_or_default();
+        // A folder or a link to nothing is none of them, whatever it is called.
+        written.retain(|name| folder.as_deref().is_some_and(|folder| files.is_file(&folder.join(name))));
         let written = written.iter().filter_map(|name| name.strip_suffix(".toml").map(str::to_owned));
         let written = written.filter(|name| is_name(name));
         let mut names: Vec<String> =

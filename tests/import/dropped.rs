@@ -420,7 +420,8 @@ fn a_joint_that_is_welded_where_it_cannot_be_is_told_on_the_terminal() {
     );
     let slide = urdf(&[("</robot>", &forearm("prismatic", &range(0.1, 0.3)))]);
     told(&slide, "outside of the joint's range: `elbow` (0.1 .. 0.3 m)");
-    told(&slide, "turn independently of each other: `elbow` (prismatic)");
+    told(&slide, "the joints of a robot file are hinges: `elbow` (prismatic)");
+    assert!(!slide.notes.iter().any(|note| note.contains("of a leg")), "{:?}", slide.notes);
     let inside = urdf(&[("</robot>", &forearm("revolute", &range(-2.4, 0.0)))]);
     assert!(!inside.notes.iter().any(|note| note.contains("welded")), "{:?}", inside.notes);
     // A joint that is kept can be where it is put.
@@ -434,6 +435,87 @@ fn a_joint_that_is_welded_where_it_cannot_be_is_told_on_the_terminal() {
         &mjcf(&[("<body name=\"port_thigh\"", arm)]),
         "outside of the joint's range: `elbow` (0.5 .. 2 rad)",
     );
+}
+
+#[test]
+fn a_sliding_joint_of_a_leg_is_told_as_what_it_is() {
+    let knee = |side: &str| {
+        (
+            format!("name=\"{side}_knee\" type=\"revolute\""),
+            format!("name=\"{side}_knee\" type=\"prismatic\""),
+        )
+    };
+    let [port, star] = ["port", "star"].map(knee);
+    let welded = urdf(&[(&port.0, &port.1), (&star.0, &star.1)]);
+    let line = told(&welded, "the joints of a robot file are hinges");
+    assert!(line.contains("`port_knee` (prismatic) of a leg, `star_knee` (prismatic) of a leg"), "{line}");
+    assert!(line.contains("move differently from those of the file"), "{line}");
+    assert!(!welded.notes.iter().any(|note| note.contains("independently")), "{:?}", welded.notes);
+    let ball = ("name=\"star_ankle\" axis=\"0 1 0\"", "name=\"star_ankle\" type=\"ball\"");
+    let slide = ("name=\"port_knee\" axis", "name=\"port_knee\" type=\"slide\" axis");
+    let all = mjcf(&[slide, ball]);
+    let line = told(&all, "the joints of a robot file are hinges");
+    assert!(line.contains("`port_knee` (a slide joint) of a leg"), "{line}");
+    assert!(line.contains("`star_ankle` (a ball joint) of a leg"), "{line}");
+}
+
+/// The exit code of an import and everything that it says.
+fn imported(folder: &Path, file: &str) -> (Option<i32>, String) {
+    let _ = fs::remove_dir_all(folder.join("robots"));
+    let output = specforge(folder).args(["robot", "import", file]).output().unwrap();
+    let text = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+    (output.status.code(), text.concat())
+}
+
+#[test]
+fn a_leg_that_is_bent_at_zero_is_told_as_that_and_the_import_is_no_success() {
+    let folder = tempfile::tempdir().unwrap();
+    let knee = "name=\"port_knee\" axis";
+    for (joint, angle) in
+        [("port_knee", 1.0), ("port_knee", 2.0), ("port_knee", -1.5), ("port_knee", 3.0), ("star_knee", 1.5)]
+    {
+        let from = knee.replace("port_knee", joint);
+        let to = from.replace(" axis", &format!(" ref=\"{angle}\" axis"));
+        fs::write(folder.path().join("heron.xml"), edited(MJCF, &[(&from, &to)])).unwrap();
+        let (code, text) = imported(folder.path(), "heron.xml");
+        let bent = format!("by {:.2} rad more than the right one at `star_knee`", f64::abs(angle));
+        assert!(text.contains("the left leg is bent at `port_knee`") && text.contains(&bent), "{text}");
+        assert!(text.contains("the same `ref`") && !text.contains("turn the frame of"), "{text}");
+        assert_eq!(code, Some(3), "{text}");
+        assert!(folder.path().join("robots/heron.toml").is_file(), "it can be corrected");
+    }
+    // With the same zero on both sides there is no mistake.
+    let both = edited(MJCF, &[("_knee\" axis", "_knee\" ref=\"1.5\" axis")]);
+    fs::write(folder.path().join("heron.xml"), both).unwrap();
+    let (code, text) = imported(folder.path(), "heron.xml");
+    assert!(code == Some(0) && !text.contains("E0426"), "{text}");
+}
+
+#[test]
+fn a_file_that_cannot_be_included_is_the_only_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let outside = tempfile::tempdir().unwrap();
+    fs::write(outside.path().join("secret.xml"), MJCF).unwrap();
+    let secret = outside.path().join("secret.xml").display().to_string();
+    let body =
+        "<mujoco><worldbody><body name=\"a\"><geom type=\"box\" size=\"1 1 1\"/></body></worldbody></mujoco>";
+    fs::write(folder.path().join("body.xml"), body).unwrap();
+    fs::write(folder.path().join("broken.xml"), "<mujoco><").unwrap();
+    fs::write(folder.path().join("itself.xml"), "<mujoco><include file=\"itself.xml\"/></mujoco>").unwrap();
+    for (files, code) in [
+        (&["gone.xml"][..], "E0414"),
+        (&[secret.as_str()], "E0414"),
+        (&["broken.xml"], "E0410"),
+        (&["body.xml", "body.xml"], "E0414"),
+        (&["itself.xml"], "E0414"),
+        (&["."], "E0"),
+    ] {
+        let includes: String = files.iter().map(|file| format!("<include file=\"{file}\"/>")).collect();
+        fs::write(folder.path().join("heron.xml"), format!("<mujoco>{includes}</mujoco>")).unwrap();
+        let (exit, text) = imported(folder.path(), "heron.xml");
+        assert_eq!(exit, Some(3), "{text}");
+        assert!(text.matches("error[").count() == 1 && text.contains(&format!("error[{code}")), "{text}");
+    }
 }
 
 #[test]
@@ -759,7 +841,9 @@ fn joints_of_a_leg_that_nothing_drives_are_no_motors_unless_the_user_says_so() {
         .expect("a pattern")
         .to_owned();
     let (code, welded) = import(&["--name", "welded", "--joints", &driven]);
-    assert!(code == Some(0) && welded.contains("5 joints, 1 welded"), "{welded}");
+    // With one ankle less than the other leg it is written, and cannot be used.
+    let is_lame = welded.contains("5 joints, 1 welded") && welded.contains("error[E0405]");
+    assert!(code == Some(3) && is_lame, "{welded}");
     let (code, filled) = import(&["--name", "filled", "--fill", "port_ankle:effort_limit=40 N*m"]);
     assert!(code == Some(0) && filled.contains("6 joints, 0 welded"), "{filled}");
     let (code, kept) = import(&["--name", "kept", "--joints", "hip|knee|ankle"]);

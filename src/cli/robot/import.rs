@@ -58,7 +58,8 @@ pub struct Options {
     output: Option<PathBuf>,
 }
 
-/// Imports a robot. Does not overwrite an existing file.
+/// Imports a robot. Does not overwrite an existing file. A robot with errors is written, so that they can be
+/// corrected in its file, and is no success.
 pub fn run(options: &Options, global: &Global) -> Exit {
     let stem =
         || options.file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
@@ -125,14 +126,15 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             "welded": welded.fixed,
             "missing": written.missing,
             "notes": written.notes,
-            "findings": issues.into_iter().map(Finding::from).collect::<Vec<_>>(),
+            "findings": issues.iter().cloned().map(Finding::from).collect::<Vec<_>>(),
         })),
         _ => {
             let told = summary(&path, &welded, &written) + &findings(&issues);
             output::data(&(told + &next(&path, &written, &issues)));
         }
     }
-    Exit::Ok
+    let is_sound = issues.iter().all(|issue| issue.severity() == Severity::Warning);
+    if is_sound { Exit::Ok } else { Exit::Invalid }
 }
 
 /// Reads the file's welded tree and its format, for writing to this path. Reports errors.

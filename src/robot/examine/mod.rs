@@ -4,6 +4,7 @@
 //! The only list of these checks, used by `check`, `new`, `run`, `evaluate`, `robot show` and the import. An
 //! error means that no experiment can use the robot; a warning is a value far from those of known robots.
 
+mod bend;
 mod bounds;
 mod drive;
 mod hold;

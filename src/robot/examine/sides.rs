@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Vector3};
 
-use super::Examined;
+use super::{Examined, bend};
 use crate::robot::checks::Issue;
 use crate::robot::kinematics::Kinematics;
 use crate::robot::model::Robot;
@@ -33,6 +33,9 @@ pub fn issue(robot: &Robot) -> Option<Issue> {
     let way = across(robot);
     if way.norm() < CLEAR || (way.y > way.x.abs() && way.y > way.z.abs()) {
         return None;
+    }
+    if let Some(bend) = bend::of(robot) {
+        return Some(bend.issue(robot));
     }
     let base = &robot.base.name;
     let [left, right] = robot.feet.each_ref().map(|foot| robot.links[foot.link].body.name.as_str());

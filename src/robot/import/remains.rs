@@ -25,7 +25,8 @@ pub(super) fn remarks(tree: &Tree, kept: &[bool], welded: &Welded) -> Vec<String
     lines.extend(at_key(tree.key.as_deref(), loose()));
     lines.extend(at_rest(loose()));
     lines.extend(outside(loose()));
-    lines.extend(of_other_kinds(loose()));
+    lines.extend(coupled(loose()));
+    lines.extend(of_other_kinds(tree, kept, welded));
     lines.extend(legs(tree, kept, welded));
     lines.extend(void_ranges(welded));
     lines.extend(zeros(welded));
@@ -75,12 +76,48 @@ fn away_from_zero(hinge: &Hinge) -> Option<String> {
     (place != 0.0).then(|| format!("`{}` at {} {unit}", hinge.name, short(place)))
 }
 
-/// Joints welded because robot files do not support their kind.
-fn of_other_kinds<'a>(welded: impl Iterator<Item = &'a Hinge>) -> Option<String> {
-    let kinds = welded.filter_map(|hinge| Some(format!("`{}` ({})", hinge.name, hinge.other.as_ref()?)));
-    let kinds: Vec<String> = kinds.collect();
-    let shown = first(&kinds)?;
+/// Joints welded because other joints drive them.
+fn coupled<'a>(welded: impl Iterator<Item = &'a Hinge>) -> Option<String> {
+    let joints = welded.filter(|hinge| hinge.is_coupled());
+    let joints: Vec<String> = joints.filter_map(|hinge| kind(hinge, "")).collect();
+    let shown = first(&joints)?;
     Some(format!("welded, because the joints of a robot file turn independently of each other: {shown}"))
+}
+
+/// Joints welded because they are no hinges, those of the legs first: without them a leg moves differently.
+fn of_other_kinds(tree: &Tree, kept: &[bool], welded: &Welded) -> Option<String> {
+    let index = |name: &str| tree.parts.iter().position(|part| part.body.name == name);
+    let feet = welded.feet.each_ref().map(|(link, _)| index(&welded.links[*link].body.name));
+    let on_a_leg: BTreeSet<usize> = match feet {
+        [Some(left), Some(right)] => {
+            let [left, right] = [left, right].map(|foot| above(tree, foot).collect::<BTreeSet<usize>>());
+            left.symmetric_difference(&right).copied().collect()
+        }
+        _ => BTreeSet::new(),
+    };
+    let loose = tree.parts.iter().enumerate().filter(|(body, _)| !kept[*body]);
+    let (mut legs, mut others) = (Vec::new(), Vec::new());
+    for (body, hinge) in loose.filter_map(|(body, part)| Some((body, part.hinge.as_ref()?))) {
+        // A joint below the last one that is kept is of the leg, too.
+        match above(tree, body).any(|body| on_a_leg.contains(&body)) {
+            _ if hinge.is_coupled() => {}
+            true => legs.extend(kind(hinge, " of a leg")),
+            false => others.extend(kind(hinge, "")),
+        }
+    }
+    let warning = if legs.is_empty() {
+        ""
+    } else {
+        "; legs without their sliding or ball joints move differently from those of the file"
+    };
+    legs.extend(others);
+    let shown = first(&legs)?;
+    Some(format!("welded, because the joints of a robot file are hinges: {shown}{warning}"))
+}
+
+/// A joint with its kind and place: `` `knee` (prismatic) of a leg ``; `None` for a hinge.
+fn kind(hinge: &Hinge, place: &str) -> Option<String> {
+    Some(format!("`{}` ({}){place}", hinge.name, hinge.other.as_ref()?))
 }
 
 /// The first of some texts, and the number of others.

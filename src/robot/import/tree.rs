@@ -174,7 +174,12 @@ impl Tree {
 impl Hinge {
     /// Whether it is a sliding joint, with positions in m.
     pub(super) fn slides(&self) -> bool {
-        self.other.as_ref().is_some_and(|kind| kind.contains("prismatic") || kind.contains("slide"))
+        self.other.as_ref().is_some_and(|kind| kind == "prismatic" || kind == "a slide joint")
+    }
+
+    /// Whether it turns about an axis as another joint does, and not by a motor of its own.
+    pub(super) fn is_coupled(&self) -> bool {
+        self.other.as_ref().is_some_and(|kind| kind.starts_with("driven by "))
     }
 
     /// The position at which it is welded, in rad (in m for a sliding joint): that of the key frame, else the

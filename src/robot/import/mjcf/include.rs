@@ -9,15 +9,20 @@ use super::super::xml::Element;
 use crate::diag::Diagnostic;
 
 /// A description with everything it includes. MuJoCo allows each file only once, which rules out cycles.
-pub(super) fn expanded(root: Element, from: &Path, intake: &mut Intake) -> Element {
-    let mut inclusion = Inclusion { from, seen: BTreeSet::new() };
-    inclusion.expand(root, intake)
+/// `None` if a file cannot be included: what it has is missing, and everything else that is found would only
+/// follow from that.
+pub(super) fn expanded(root: Element, from: &Path, intake: &mut Intake) -> Option<Element> {
+    let mut inclusion = Inclusion { from, seen: BTreeSet::new(), is_whole: true };
+    let expanded = inclusion.expand(root, intake);
+    inclusion.is_whole.then_some(expanded)
 }
 
 struct Inclusion<'a> {
     /// The folder of the top-level file, to which all names are relative.
     from: &'a Path,
     seen: BTreeSet<PathBuf>,
+    /// Whether every file was included.
+    is_whole: bool,
 }
 
 impl Inclusion<'_> {
@@ -25,7 +30,10 @@ impl Inclusion<'_> {
         let mut children = Vec::with_capacity(element.children.len());
         for child in std::mem::take(&mut element.children) {
             if child.name == "include" {
-                children.extend(self.included(&child, intake).unwrap_or_default());
+                match self.included(&child, intake) {
+                    Some(included) => children.extend(included),
+                    None => self.is_whole = false,
+                }
             } else {
                 children.push(self.expand(child, intake));
             }
@@ -51,7 +59,7 @@ impl Inclusion<'_> {
         };
         if !self.seen.insert(path.clone()) {
             intake.tell(
-                Diagnostic::error("E0412", format!("`{named}` is included twice"))
+                Diagnostic::error("E0414", format!("`{named}` is included twice"))
                     .at(span, "")
                     .help("include each file once; a file cannot include itself"),
             );

@@ -35,7 +35,7 @@ const MACROS: &[&str] = &["replicate", "composite", "flexcomp", "attach"];
 
 /// The tree of an MJCF file.
 pub(super) fn tree(root: Element, from: &Path, intake: &mut Intake) -> Option<Tree> {
-    let root = include::expanded(root, from, intake);
+    let root = include::expanded(root, from, intake)?;
     let settings = Settings::read(&root, from, intake);
     let defaults = Defaults::read(&root, intake);
     let drives = Drives::read(&root, &settings, &defaults, intake);
