@@ -204,3 +204,37 @@ fn a_robot_of_ones_own_comes_from_urdf_to_a_suite_without_an_editor() {
     assert_eq!(code(&refused), 2);
     assert!(stderr(&refused).contains("file not found: `absent.toml`"), "{}", stderr(&refused));
 }
+
+#[test]
+fn a_suite_is_written_over_a_spec_that_can_be_varied_and_over_nothing_else() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = |words: &[&str]| specforge(folder.path(), words);
+    let spec = ["new", "one.toml", "--standalone"];
+    assert_eq!(code(&run(&spec)), 0, "{}", stderr(&run(&spec)));
+    let text = fs::read_to_string(folder.path().join("one.toml")).expect("it was written");
+    assert_eq!(code(&run(&["new", "suite.toml", "--suite", "one.toml"])), 0);
+    let parent = text.replacen("summary ", "abstract = true\nsummary ", 1);
+    assert_ne!(parent, text);
+    fs::write(folder.path().join("parent.toml"), parent).expect("written");
+    fs::write(folder.path().join("broken.toml"), text.replacen("\"torque\"", "\"torqe\"", 1))
+        .expect("written");
+    let child = "spec = 1\nname = \"bare\"\nextends = \"one.toml\"\n[reward.torque]\nenabled = false\n";
+    fs::write(folder.path().join("bare.toml"), child).expect("written");
+    for (over, exit, words) in [
+        ("suite.toml", 2, "`suite.toml` is a suite"),
+        ("parent.toml", 2, "`parent.toml` is abstract"),
+        ("broken.toml", 3, "`other.toml` is not written"),
+    ] {
+        let output = run(&["new", "other.toml", "--suite", over]);
+        assert_eq!(code(&output), exit, "{over}: {}", stderr(&output));
+        assert!(stderr(&output).contains(words) && stderr(&output).contains("help: "), "{}", stderr(&output));
+        assert!(!folder.path().join("other.toml").exists(), "{over}");
+    }
+    // Whatever is written passes the check.
+    let output = run(&["new", "weights.toml", "--suite", "bare.toml"]);
+    let is_there = folder.path().join("weights.toml").exists();
+    assert_eq!(is_there, code(&output) == 0, "{}", stderr(&output));
+    let output = run(&["new", "other.toml", "--suite", "broken.toml", "--format", "json"]);
+    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one document");
+    assert!(answer["errors"].as_u64() > Some(0), "{answer}");
+}

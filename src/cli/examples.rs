@@ -128,7 +128,8 @@ Examples:
   specforge new alone.toml --standalone
   specforge new weights.toml --suite my_run.toml
 
-Exit codes: 0 written, 2 the file is already there or a name is not known.";
+Exit codes: 0 written, 2 the file is already there, a name is not known or --suite names no spec that can be
+varied, 3 the robot, the spec of --suite or what was written has errors.";
 
 /// `schema`
 pub const SCHEMA: &str = "\
@@ -166,8 +167,9 @@ Examples:
   specforge report --index
   specforge report --check
 
-Exit codes: 0 rendered, 3 the spec or template has errors, 4 a result is not in the store or a page was \
-changed.";
+Exit codes: 0 rendered, 3 the spec or template has errors, 4 a result is not in the store, a page was changed \
+or the
+index is out of date.";
 
 /// `trace`
 pub const TRACE: &str = "\

@@ -6,6 +6,7 @@ use serde_json::json;
 
 use super::specs::{self, Findings, Variant};
 use super::{Exit, Format, Global, output};
+use crate::check;
 use crate::diag::{Severity, Sink, Sources};
 use crate::escape::{self, shell};
 use crate::robot;
@@ -13,7 +14,8 @@ use crate::safe_fs;
 use crate::scaffold::{Build, Wish, actions, alone, child, robots, suite, tasks};
 use crate::spec::folder;
 use crate::spec::suggest::{listed, nearest};
-use crate::syntax::{Disk, file};
+use crate::study::files::is_suite;
+use crate::syntax::{Disk, Overlay, file};
 
 /// Arguments of `new`.
 #[derive(Debug, clap::Args)]
@@ -45,8 +47,11 @@ pub struct Options {
 /// Writes the spec.
 pub fn run(options: &Options, global: &Global) -> Exit {
     match write(options, global) {
-        Err(Refusal { message, advice, exit }) => {
-            output::complain(global, &message, Some(&advice));
+        Err(Refusal { message, advice, exit, is_told }) => {
+            // The document of the errors is the answer to a program.
+            if !(is_told && global.format == Format::Json) {
+                output::complain(global, &message, Some(&advice));
+            }
             exit
         }
         Ok(form) => {
@@ -83,10 +88,12 @@ struct Refusal {
     message: String,
     advice: String,
     exit: Exit,
+    /// Whether diagnostics that say why were printed.
+    is_told: bool,
 }
 
 fn refuse<T>(message: String, advice: impl Into<String>) -> Result<T, Refusal> {
-    Err(Refusal { message, advice: advice.into(), exit: Exit::Usage })
+    Err(Refusal { message, advice: advice.into(), exit: Exit::Usage, is_told: false })
 }
 
 /// Writes the file and returns a message about its form.
@@ -115,7 +122,7 @@ fn write(options: &Options, global: &Global) -> Result<String, Refusal> {
         );
     }
     if let Some(spec) = &options.suite {
-        return over(file, (&name, folder), spec);
+        return over(file, (&name, folder), spec, global);
     }
     let robots = robots_of(folder);
     known("robot", &options.robot, robots.iter().map(String::as_str).collect())?;
@@ -145,24 +152,67 @@ fn write(options: &Options, global: &Global) -> Result<String, Refusal> {
 }
 
 /// Writes a suite based on a spec.
-fn over(file: &Path, (name, folder): (&str, &Path), spec: &Path) -> Result<String, Refusal> {
+fn over(file: &Path, (name, folder): (&str, &Path), spec: &Path, global: &Global) -> Result<String, Refusal> {
     if !spec.is_file() {
         let advice = file::elsewhere(&Disk, spec).unwrap_or_else(|| {
             "name the spec that the suite varies; `specforge new SPEC.toml` writes one".to_owned()
         });
         return refuse(format!("file not found: `{}`", escape::file(spec)), advice);
     }
+    variable(spec)?;
     let outside = |error: std::io::Error| Refusal {
         message: format!("{}: {error}", spec.display()),
         advice: "name a file that can be read".to_owned(),
         exit: Exit::Usage,
+        is_told: false,
     };
     let (here, spec_at) = (folder.canonicalize().map_err(outside)?, spec.canonicalize().map_err(outside)?);
     let place = relative(&here, &spec_at);
     let schemas = here.ancestors().flat_map(|folder| ["schema", "specs/schema"].map(|sub| folder.join(sub)));
     let schema = schemas.map(|folder| folder.join("suite-1.json")).find(|schema| schema.is_file());
-    put(file, &suite(name, &place, schema.map(|schema| relative(&here, &schema)).as_deref()))?;
+    let text = suite(name, &place, schema.map(|schema| relative(&here, &schema)).as_deref());
+    if file.symlink_metadata().is_err() {
+        sound(file, &text, spec, global)?;
+    }
+    put(file, &text)?;
     Ok(format!("a suite over `{place}`"))
+}
+
+/// Checks that a spec is one that a suite can vary: neither a suite itself nor abstract.
+fn variable(spec: &Path) -> Result<(), Refusal> {
+    let shown = escape::file(spec);
+    if is_suite(spec) {
+        let advice = "name the spec that this suite extends, or copy the suite and change its sweep";
+        return refuse(format!("`{shown}` is a suite, and a suite varies a single spec"), advice);
+    }
+    let options = Variant::default().options();
+    let experiment = check::checked(spec, &options).experiment;
+    if experiment.is_some_and(|experiment| experiment.is_abstract) {
+        let advice = "name a spec that extends it; `specforge new SPEC.toml` writes one";
+        return refuse(format!("`{shown}` is abstract and cannot be run, so a suite cannot vary it"), advice);
+    }
+    Ok(())
+}
+
+/// Checks the text of a suite before it is written and prints its errors.
+fn sound(file: &Path, text: &str, spec: &Path, global: &Global) -> Result<(), Refusal> {
+    let mut files = Overlay::new(Disk);
+    files.hold(file, text);
+    let checked = check::suite_in(&files, file, &Variant::default().options());
+    if !checked.sink.has_errors() {
+        return Ok(());
+    }
+    specs::tell(&[Findings::of(checked.sources, checked.sink.diagnostics).in_file(file)], global);
+    let argument = shell::argument(spec);
+    Err(Refusal {
+        message: format!("`{}` is not written: the suite would have these errors", escape::file(file)),
+        advice: format!(
+            "correct the spec, `specforge check {argument}`; the suite varies `reward.torque.weight` and is \
+             judged by `evaluate.nominal`, which the spec must have"
+        ),
+        exit: Exit::Invalid,
+        is_told: true,
+    })
 }
 
 /// Writes a file that does not exist yet.
@@ -177,6 +227,7 @@ fn put(file: &Path, text: &str) -> Result<(), Refusal> {
             message: format!("`{}` cannot be written: {error}", escape::file(file)),
             advice: "choose a folder that you may write to".to_owned(),
             exit: Exit::StageFailed,
+            is_told: false,
         }),
     }
 }
@@ -243,6 +294,7 @@ fn unsound(path: &Path, sink: &Sink) -> Refusal {
         message: format!("the robot cannot be used{}{more}", first.unwrap_or_default()),
         advice: format!("`specforge robot show {}` says what to fix or to fill in", shell::argument(path)),
         exit: Exit::Invalid,
+        is_told: false,
     }
 }
 

@@ -133,10 +133,11 @@ fn repeated(points: &[Point]) -> Option<(&Point, &Point)> {
     pair(points, |point| &point.name)
 }
 
-/// Two points with the same parents and assignments, so that their arms would be identical.
+/// Two points with the same parents and assignments, however these are written, so that their arms would be
+/// identical.
 fn alike(points: &[Point]) -> Option<(&Point, &Point)> {
     let parents = |point: &Point| point.extends.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
-    pair(points, |point| (point.values(), parents(point)))
+    pair(points, |point| (point.meanings(), parents(point)))
 }
 
 /// The first point with the same key as an earlier one, preceded by that one.

@@ -2,6 +2,7 @@
 
 use super::wrong_type;
 use crate::diag::{Diagnostic, Sink, Span};
+use crate::quantity::parse::{Parsed, quantity};
 use crate::spec::family::extends;
 use crate::spec::load::settable;
 use crate::spec::marks::below;
@@ -76,9 +77,30 @@ impl Point {
         paths(&self.assigns)
     }
 
-    /// The values that it assigns, by path, as written.
-    pub fn values(&self) -> Vec<(String, String)> {
-        leaves(&self.assigns).into_iter().map(|(path, entry)| (path, entry.node.toml())).collect()
+    /// The values that it assigns, by path, in one spelling: `10 %` and `10.0 %` are the same.
+    pub fn meanings(&self) -> Vec<(String, String)> {
+        leaves(&self.assigns).into_iter().map(|(path, entry)| (path, meaning(&entry.node))).collect()
+    }
+}
+
+/// A value in one spelling: quantities in SI units and numbers to 12 digits, more than anybody writes and
+/// fewer than conversions of units leave uncertain.
+fn meaning(node: &Node) -> String {
+    match &node.item {
+        Item::Text(text) => match quantity(text) {
+            Ok(Parsed { si, dimension }) => format!("{:.11e} {dimension:?}", si + 0.0),
+            Err(_) => node.toml(),
+        },
+        Item::Number(number) if number.value.is_finite() => format!("{:.11e}", number.value + 0.0),
+        Item::List(items) => {
+            let items: Vec<String> = items.iter().map(meaning).collect();
+            format!("[{}]", items.join(", "))
+        }
+        Item::Table(map) => {
+            let entries = map.entries.iter().map(|(key, entry)| format!("{key} = {}", meaning(&entry.node)));
+            format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "))
+        }
+        Item::Number(_) | Item::Flag(_) | Item::Datetime => node.toml(),
     }
 }
 
