@@ -379,6 +379,15 @@ mod engines {
         };
         let flat = on("flat");
         assert_eq!(flat, lines(&evaluate(&file.path, &[&short[..], &["--format", "json"]].concat())));
+        // A rate applies to the engine of the training, too.
+        let rated = |rate: &str| {
+            lines(&evaluate(&file.path, &[&short[..], &["--format", "json", "--rate", rate]].concat()))
+        };
+        let own = policy().blueprint.physics_rate();
+        assert_eq!(flat, rated(&format!("{own} Hz")));
+        assert_ne!(flat, rated(&format!("{} Hz", 2.0 * own)));
+        let refused = evaluate(&file.path, &[&short[..], &["--rate", "333 Hz"]].concat());
+        assert!(refused.status.code() == Some(4) && told(&refused).contains("[E0501]"), "{}", told(&refused));
         let slope = on("slope,angle=5 deg");
         assert_ne!(flat[0]["distance"], slope[0]["distance"]);
         let both = evaluate(&file.path, &[&short[..], &["--speeds", "0.1,0.3"]].concat());
@@ -407,6 +416,12 @@ mod engines {
         let output = evaluate(&file.path, &["--episodes", "2", "--time-limit", "6 s", "--command", "0.2"]);
         let text = String::from_utf8_lossy(&output.stdout).into_owned();
         assert!(text.contains("batch, 0.2 m/s: does not walk (not met: "), "{text}");
+        // A second is less than a cycle of the walk, and a robot that falls may still be on its way.
+        let brief = evaluate(&file.path, &["--episodes", "2", "--time-limit", "1 s", "--command", "0.2"]);
+        let said = String::from_utf8_lossy(&brief.stdout).into_owned();
+        assert!(said.contains("batch, 0.2 m/s: is not judged: its episodes end after 1 s"), "{said}");
+        assert!(said.contains("1.8 s, one cycle of the reference motion"), "{said}");
+        assert!(told(&brief).contains("the task is not judged: its episodes end"), "{}", told(&brief));
         let warning = "survives by standing still; that is not the task";
         assert!(told(&output).contains(warning), "{}\n{text}", told(&output));
         let rate = evaluate(&file.path, &["--engine", "mujoco", "--rate", "333 Hz"]);

@@ -6,7 +6,9 @@ use std::sync::Arc;
 use super::baseline::{self, Naming};
 use super::checker::Checker;
 use super::reference::{OnDemand, Reference};
-use super::{Subject, chain, check, corners, exports, height, issue, parents, reference, terms};
+use super::{
+    Subject, chain, check, corners, exports, height, issue, judging, parents, reference, seeds, terms,
+};
 use crate::diag::{Diagnostic, Severity, Sink, Sources, Span};
 use crate::kinds::motion;
 use crate::kinds::motion::clip::Clip;
@@ -85,7 +87,9 @@ impl Checker {
             let key = [of, by].map(|file| (file.name.clone(), file.text.clone()));
             Some(references.get(key.into(), motion.as_ref()?, robot.as_ref()?))
         };
-        apply_rules((&experiment, &family), (robot.as_ref(), &mut make), &self.vocabulary, &mut sink);
+        let parts = Parts { robot: robot.as_ref(), motion: motion.as_ref(), make: &mut make };
+        apply_rules((&experiment, &family), parts, &self.vocabulary, &mut sink);
+        seeds::learning_and_evaluations_are_apart(&experiment, &mut sink);
         find_compared(&experiment, files, &mut sink);
         let (named, reach) = (&experiment.baselines, &experiment.reach);
         let naming = Naming { files, by: path, named, reach, options };
@@ -117,10 +121,20 @@ impl Checker {
     }
 }
 
+/// What a spec names, and what is made of it on demand.
+pub(super) struct Parts<'a> {
+    /// The robot.
+    pub robot: Option<&'a Robot>,
+    /// The decoded file of the reference motion.
+    pub motion: Option<&'a Table>,
+    /// Makes the motion on the robot.
+    pub make: &'a mut dyn FnMut() -> Option<Arc<Reference>>,
+}
+
 /// Applies every rule to a loaded spec with its robot and motion.
 pub(super) fn apply_rules(
     (experiment, family): (&Experiment, &Family),
-    (robot, make): (Option<&Robot>, &mut dyn FnMut() -> Option<Arc<Reference>>),
+    Parts { robot, motion: file, make }: Parts,
     vocabulary: &Vocabulary,
     sink: &mut Sink,
 ) {
@@ -128,6 +142,8 @@ pub(super) fn apply_rules(
     let subject = Subject { fields: &experiment.table, marks: &experiment.marks, robot };
     check(&subject, &mut rules);
     terms::some_are_switched_on(&subject, experiment, &mut rules);
+    let period = file.and_then(|file| motion::period(Section::new(file)));
+    judging::evaluations_are_long_enough(&subject, period, &mut rules);
     exports::transfers_have_a_policy(&subject, experiment, &mut rules);
     let mut reference = OnDemand { shipped: reference::shipped(experiment, vocabulary), make };
     reference::suits(&subject, &mut reference, &mut rules);

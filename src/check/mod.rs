@@ -20,6 +20,7 @@ mod figures;
 mod fine_tuning;
 mod gains;
 mod height;
+mod judging;
 mod limits;
 mod observation;
 mod parents;

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::baseline::{self, Naming};
-use super::checked::{CheckedArm, apply_rules, finish, read_motion, read_robot};
+use super::checked::{CheckedArm, Parts, apply_rules, finish, read_motion, read_robot};
 use super::checker::{Checker, File};
 use super::claims::{self, ArmScope, Scope};
 use super::reference::{Reference, References};
@@ -92,9 +92,13 @@ fn examined(
         let motion =
             experiment.motion.as_ref().and_then(|file| shelf.motion(file, &experiment.reach, &mut own));
         let mut make = || shelf.reference(experiment, robot.as_deref(), motion.as_deref());
-        apply_rules((experiment, &family), (robot.as_deref(), &mut make), vocabulary, &mut own);
+        let parts = Parts { robot: robot.as_deref(), motion: motion.as_deref(), make: &mut make };
+        apply_rules((experiment, &family), parts, vocabulary, &mut own);
         if let Some(suite) = &suite {
-            seeds::learning_and_evaluation_are_apart(&suite.sweep, experiment, &mut own);
+            match suite.sweep.seeds {
+                Some(_) => seeds::sweep_and_evaluations_are_apart(&suite.sweep, experiment, &mut own),
+                None => seeds::learning_and_evaluations_are_apart(experiment, &mut own),
+            }
         }
         finish(experiment, options.deny_warnings, &mut own);
         found.push(own.diagnostics);

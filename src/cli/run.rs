@@ -227,6 +227,7 @@ fn execute(task: &Task, interrupt: &Interrupt, global: &Global) -> Exit {
         cached: outcome.cached.len(),
         failed: outcome.failures.len() + outcome.skipped.len(),
         failing_arms: tasks::failing(&record.tasks).map(TaskRecord::brief).collect(),
+        unjudged_arms: tasks::unjudged(&record.tasks).map(TaskRecord::unjudged_brief).collect(),
         claims: record.claims.iter().map(Judged::brief).collect(),
         wall_s,
     });
@@ -316,6 +317,9 @@ fn tell_tasks(records: &[TaskRecord], global: &Global) {
     if global.format != Format::Json {
         tasks::failing(records)
             .for_each(|record| output::note(global, &format!("task failed: {}", record.sentence())));
+        for record in tasks::unjudged(records) {
+            output::note(global, &format!("task not judged: {}", record.unjudged_sentence()));
+        }
     }
 }
 

@@ -104,6 +104,10 @@ pub enum Event {
         /// them fail, and why.
         #[serde(default)]
         failing_arms: Vec<serde_json::Value>,
+        /// The arms of which an evaluation is too short to judge the task: arm, evaluation, number of policies,
+        /// how many of them are not judged, and why.
+        #[serde(default)]
+        unjudged_arms: Vec<serde_json::Value>,
         /// Claims with their outcome.
         claims: Vec<serde_json::Value>,
         /// Wall time in s.

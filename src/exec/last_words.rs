@@ -74,6 +74,7 @@ fn finished(start: Instant) -> Event {
         cached: 0,
         failed: 1,
         failing_arms: Vec::new(),
+        unjudged_arms: Vec::new(),
         claims: Vec::new(),
         wall_s: start.elapsed().as_secs_f64(),
     }

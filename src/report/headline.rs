@@ -112,7 +112,9 @@ fn evidence(arm: &Arm, evaluation: &Evaluation, verdict: &Verdict) -> String {
         .map(|criterion| criterion.text.as_str())
         .collect();
     let missed = if missed.is_empty() { String::new() } else { format!(" Not met: {}.", missed.join("; ")) };
-    format!("{}.{missed}", parts.join("; "))
+    let unjudged =
+        verdict.unjudged.as_ref().map_or(String::new(), |reason| format!(" Not judged: {reason}."));
+    format!("{}.{missed}{unjudged}", parts.join("; "))
 }
 
 #[cfg(test)]

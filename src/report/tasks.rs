@@ -22,7 +22,7 @@ pub struct TaskRecord {
     pub stage: String,
     /// The task as a verb: `walks`.
     pub verb: String,
-    /// Number of evaluated policies.
+    /// Number of evaluated policies, with those that are not judged.
     pub policies: usize,
     /// Number of policies that fail the task.
     pub failing: usize,
@@ -31,6 +31,16 @@ pub struct TaskRecord {
     pub seeds: Vec<u64>,
     /// The criteria that failing policies do not meet.
     pub missed: Vec<String>,
+    /// Number of policies that are not judged.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub unjudged: usize,
+    /// Why.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub reason: String,
+}
+
+fn is_none(count: &usize) -> bool {
+    *count == 0
 }
 
 impl TaskRecord {
@@ -44,6 +54,24 @@ impl TaskRecord {
         let Self { arm, stage, policies, failing, missed, .. } = self;
         serde_json::json!({ "arm": arm, "stage": stage, "policies": policies, "failing": failing,
                 "missed": missed })
+    }
+
+    /// A summary of what is not judged for programs.
+    pub fn unjudged_brief(&self) -> serde_json::Value {
+        let Self { arm, stage, policies, unjudged, reason, .. } = self;
+        serde_json::json!({ "arm": arm, "stage": stage, "policies": policies, "unjudged": unjudged,
+                "reason": reason })
+    }
+
+    /// `walk: 2 of 3 policies are not judged in evaluate.nominal (its episodes end after 0.2 s ...)`.
+    pub fn unjudged_sentence(&self) -> String {
+        let Self { arm, stage, policies, unjudged, reason, .. } = self;
+        let who = match (policies, unjudged) {
+            (1, _) => "the policy is".to_owned(),
+            (_, 1) => format!("1 of {policies} policies is"),
+            _ => format!("{unjudged} of {policies} policies are"),
+        };
+        format!("{arm}: {who} not judged in `{stage}` ({reason})")
     }
 
     /// `control=torque: 2 of 3 policies do not walk in evaluate.nominal (not met: ...)`.
@@ -87,7 +115,21 @@ pub fn failing(records: &[TaskRecord]) -> impl Iterator<Item = &TaskRecord> {
     records.iter().filter(|record| record.failing > 0)
 }
 
-/// A paragraph for the top of a page; `None` if every policy does its task.
+/// The records of arms with at least one policy that is not judged.
+pub fn unjudged(records: &[TaskRecord]) -> impl Iterator<Item = &TaskRecord> {
+    records.iter().filter(|record| record.unjudged > 0)
+}
+
+/// A paragraph for the top of a page on policies that are not judged; `None` if all are.
+pub fn unjudged_paragraph(records: &[TaskRecord]) -> Option<String> {
+    let told: Vec<String> = unjudged(records).map(TaskRecord::unjudged_sentence).collect();
+    let more = told.len().saturating_sub(NAMED);
+    let more = if more > 0 { format!("; and {more} more") } else { String::new() };
+    let told = told.iter().take(NAMED).cloned().collect::<Vec<_>>().join("; ");
+    (!told.is_empty()).then(|| format!("**Not every policy is judged.** {told}{more}."))
+}
+
+/// A paragraph for the top of a page; `None` if every policy does its task or is not judged.
 pub fn paragraph(records: &[TaskRecord]) -> Option<String> {
     let failing: Vec<&TaskRecord> = failing(records).collect();
     if failing.is_empty() {
@@ -159,9 +201,14 @@ fn of_stage(name: &str, runs: &[&Arm], stage: &str) -> TaskRecord {
         };
         let verdict = judge(run, &measured.evaluation);
         record.policies += 1;
+        record.verb = verdict.verb;
+        if let Some(reason) = verdict.unjudged {
+            record.unjudged += 1;
+            record.reason = reason;
+            continue;
+        }
         record.failing += usize::from(!verdict.holds);
         record.seeds.extend(run.run.as_ref().filter(|_| !verdict.holds).map(|run| run.seed));
-        record.verb = verdict.verb;
         for criterion in verdict.criteria.into_iter().filter(|criterion| !criterion.holds) {
             if !record.missed.contains(&criterion.text) {
                 record.missed.push(criterion.text);
@@ -229,6 +276,7 @@ mod tests {
             failing,
             seeds: seeds.to_vec(),
             missed: vec!["is fast".into()],
+            ..TaskRecord::default()
         };
         for (failing, seeds, words) in [
             (1, &[2][..], "1 of 3 policies (seed 2) does not walk"),
@@ -253,6 +301,31 @@ mod tests {
             told.contains("arm=7: ") && !told.contains("arm=8: ") && told.ends_with("; and 2 more."),
             "{told}"
         );
+    }
+
+    #[test]
+    fn policies_that_are_not_judged_are_told_and_do_not_count_as_failing() {
+        let brief = |survived: bool| {
+            let mut arm = arm("a", survived);
+            arm.evaluations[0].evaluation.time_limit = 0.2;
+            arm
+        };
+        let record = of_stage("a", &[&brief(true), &arm("a", true), &brief(false)], "evaluate.nominal");
+        assert_eq!((record.policies, record.failing, record.unjudged), (3, 1, 1));
+        let told = unjudged_paragraph(std::slice::from_ref(&record)).expect("one is not judged");
+        assert!(
+            told.starts_with(
+                "**Not every policy is judged.** a: 1 of 3 policies is not judged in `evaluate.nominal` (its"
+            ),
+            "{told}"
+        );
+        assert_eq!(record.unjudged_brief()["unjudged"], 1);
+        let whole = records(&ReportInput { arms: vec![arm("a", true)], ..ReportInput::default() });
+        assert_eq!(unjudged_paragraph(&whole), None);
+        // Records of policies that are all judged are as before.
+        let text = serde_json::to_string(&whole[0]).expect("plain data");
+        assert!(!text.contains("unjudged") && !text.contains("reason"), "{text}");
+        assert_eq!(does(&brief(true), "evaluate.nominal"), Some(false));
     }
 
     #[test]

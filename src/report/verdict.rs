@@ -6,7 +6,8 @@ use super::estimate::Estimate;
 use super::measurable::is_blind;
 use super::metric::{Metric, average};
 use super::model::Arm;
-use crate::kinds::task::{self, Bound};
+use super::wording::number;
+use crate::kinds::task::{self, Bound, Shortest};
 use crate::outcome::Evaluation;
 use crate::statistics::summary::mean;
 
@@ -47,10 +48,24 @@ impl Criterion {
 pub struct Verdict {
     /// `runs`, `walks`, `squats`, `stands`.
     pub verb: String,
-    /// Whether all criteria hold.
+    /// Whether all criteria hold; `false` if the task is not judged.
     pub holds: bool,
     /// The criteria.
     pub criteria: Vec<Criterion>,
+    /// Why the task is not judged, if it is not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unjudged: Option<String>,
+}
+
+/// Why the episodes of an evaluation do not show whether an arm does its task; `None` if they do, and in
+/// records without a time limit.
+pub fn too_short(arm: &Arm, evaluation: &Evaluation) -> Option<String> {
+    let limit = evaluation.time_limit;
+    let height = arm.robot.as_ref().map_or(1.0, |robot| robot.standing_height);
+    let shortest = Shortest::of(arm.motion.as_ref().map(|motion| motion.period), height);
+    (limit > 0.0 && !shortest.is_reached_by(limit)).then(|| {
+        format!("its episodes end after {} s, and to judge them takes {}", number(limit), shortest.in_words())
+    })
 }
 
 /// The commanded speed of an evaluation in m/s: its command, the mean of its episodes' commands, or the
@@ -84,13 +99,27 @@ pub fn judge(arm: &Arm, evaluation: &Evaluation) -> Verdict {
         }
         _ => {}
     }
-    let verb = task.map_or("stands", |task| task.verb);
-    Verdict { verb: verb.to_string(), holds: criteria.iter().all(|criterion| criterion.holds), criteria }
+    let verb = task.map_or("stands", |task| task.verb).to_string();
+    // Who falls in a short episode fails. Who does not may still be falling.
+    let survives = criteria.first().is_some_and(|survival| survival.holds);
+    let unjudged = too_short(arm, evaluation).filter(|_| survives);
+    if let Some(reason) = &unjudged {
+        for criterion in &mut criteria {
+            (criterion.holds, criterion.unmeasured) = (true, Some(reason.clone()));
+        }
+        return Verdict { verb, holds: false, criteria, unjudged };
+    }
+    Verdict { verb, holds: criteria.iter().all(|criterion| criterion.holds), criteria, unjudged }
 }
 
-/// Whether an evaluation meets all criteria of the arm's task except survival.
-pub fn does_but_for_survival(arm: &Arm, evaluation: &Evaluation) -> bool {
-    judge(arm, evaluation).criteria.iter().skip(1).all(|criterion| criterion.holds)
+/// Whether an evaluation meets all criteria of the arm's task except survival; `None` if its episodes are too
+/// short to judge those that survive.
+pub fn does_but_for_survival(arm: &Arm, evaluation: &Evaluation) -> Option<bool> {
+    let is_survived = evaluation.episodes.iter().any(|episode| episode.survived);
+    if is_survived && too_short(arm, evaluation).is_some() {
+        return None;
+    }
+    Some(judge(arm, evaluation).criteria.iter().skip(1).all(|criterion| criterion.holds))
 }
 
 /// Whether an evaluation meets a criterion of the task; `None` for an unmeasured optional criterion. Any
@@ -129,8 +158,11 @@ fn estimate(evaluation: &Evaluation, metric: &str) -> Estimate {
 }
 
 impl Verdict {
-    /// `runs` or `does not run`.
+    /// `runs`, `does not run` or `is not judged`.
     pub fn phrase(&self) -> String {
+        if self.unjudged.is_some() {
+            return "is not judged".to_owned();
+        }
         let stem = self.verb.strip_suffix('s').unwrap_or(&self.verb);
         if self.holds { self.verb.clone() } else { format!("does not {stem}") }
     }
@@ -249,6 +281,39 @@ mod tests {
             judge(&arm("squat"), &evaluation(Episode { survived: true, drift, ..Episode::default() })).holds
         };
         assert!(squats(Some(0.03)) && squats(None) && !squats(Some(0.3)));
+    }
+
+    #[test]
+    fn an_episode_shorter_than_a_cycle_judges_nothing_unless_the_robot_falls() {
+        let robot = crate::robot::tests::robot("tocabi");
+        let motion = crate::kinds::motion::shipped("walk", &robot).and_then(Result::ok);
+        let walk = Arm { robot: Some(robot.clone()), motion, ..arm("walk") };
+        let walking = |survived: bool, time_limit: f64| {
+            let episode =
+                Episode { survived, left_support: 0.3, right_support: 0.3, speed: 0.2, ..Episode::default() };
+            let evaluation = Evaluation {
+                command: Some(0.2),
+                time_limit,
+                episodes: vec![episode; 4],
+                ..Evaluation::default()
+            };
+            let Verdict { holds, unjudged, criteria, .. } = judge(&walk, &evaluation);
+            assert!(unjudged.is_none() || criteria.iter().all(|criterion| criterion.unmeasured.is_some()));
+            let verdict = judge(&walk, &evaluation).phrase();
+            (holds, verdict, does_but_for_survival(&walk, &evaluation))
+        };
+        assert_eq!(walking(true, 16.0), (true, "walks".to_owned(), Some(true)));
+        assert_eq!(walking(true, 1.8), (true, "walks".to_owned(), Some(true)));
+        assert_eq!(walking(true, 0.2), (false, "is not judged".to_owned(), None));
+        assert_eq!(walking(true, 1.796), (false, "is not judged".to_owned(), None));
+        assert_eq!(walking(false, 0.2), (false, "does not walk".to_owned(), Some(true)));
+        // Records of earlier versions without a time limit are judged as ever.
+        assert!(walking(true, 0.0).0);
+        let stand = Arm { robot: Some(robot), ..arm("stand") };
+        let standing = Episode { survived: true, drift: Some(0.0), ..Episode::default() };
+        let standing = Evaluation { time_limit: 0.2, episodes: vec![standing; 4], ..Evaluation::default() };
+        let reason = judge(&stand, &standing).unjudged.expect("it is too short");
+        assert!(reason.contains("its episodes end after 0.2 s") && reason.contains("falls"), "{reason}");
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::crossing;
 use super::model::{Arm, ReportInput, Update};
 use super::table::health::shown;
 use super::table::setup::{budget_samples, learning_samples};
-use super::verdict::stands_still;
+use super::verdict::{judge, stands_still};
 use super::wording::{count, labels, number};
 use crate::kinds::learn::Ppo;
 use crate::kinds::pretrain::Pretraining;
@@ -56,6 +56,9 @@ pub fn of_evaluations(arm: &Arm, name: &str) -> Vec<String> {
         let (evaluation, engine) = (&measured.evaluation, &measured.evaluation.engine);
         if arm.travels() && stands_still(evaluation) {
             found.push(format!("{name}, {engine}: survives by standing still; that is not the task."));
+        }
+        if let Some(reason) = judge(arm, evaluation).unjudged {
+            found.push(format!("{name}, {engine}: the task is not judged: {reason}."));
         }
         let exploded = super::tasks::exploded(evaluation);
         if exploded > 0 {

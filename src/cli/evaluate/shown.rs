@@ -115,7 +115,11 @@ fn text(policy: &Policy, protocol: &Protocol, input: &ReportInput) -> String {
         let missed =
             verdict.criteria.iter().filter(|criterion| !criterion.holds).map(|criterion| &*criterion.text);
         let missed = missed.collect::<Vec<_>>().join("; ");
-        let missed = if missed.is_empty() { String::new() } else { format!(" (not met: {missed})") };
+        let missed = match (&verdict.unjudged, missed.is_empty()) {
+            (Some(reason), _) => format!(": {reason}"),
+            (None, true) => String::new(),
+            (None, false) => format!(" (not met: {missed})"),
+        };
         text += &one_line(&format!("{}: {}{missed}", measured.stage, verdict.phrase()));
     }
     text.push_str(

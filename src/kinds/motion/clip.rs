@@ -51,6 +51,10 @@ impl Formula for Clip {
     fn motion(&self, robot: &Robot, recording: Option<&str>) -> Result<Motion, MotionError> {
         played(self, robot, recording)
     }
+
+    fn period(&self) -> f64 {
+        self.period
+    }
 }
 
 /// The recording on the robot's joints.

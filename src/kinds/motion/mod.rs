@@ -26,6 +26,9 @@ pub const SAMPLES: usize = 720;
 pub trait Formula {
     /// The motion for a robot; `recording` is the text of a clip's CSV file.
     fn motion(&self, robot: &Robot, recording: Option<&str>) -> Result<Motion, MotionError>;
+
+    /// Duration of a cycle in s, which is that of the motion of any robot.
+    fn period(&self) -> f64;
 }
 
 /// The section that holds the keys of a motion file in a stage.
@@ -37,6 +40,8 @@ pub struct MotionKind {
     pub kind: &'static Kind,
     /// Builds the motion for a robot from the decoded motion file and, for a clip, the text of its CSV file.
     pub build: fn(Section, &Robot, Option<&str>) -> Result<Motion, MotionError>,
+    /// Reads the duration of a cycle in s; `None` if a key is missing.
+    period: fn(Section) -> Option<f64>,
 }
 
 impl MotionKind {
@@ -44,6 +49,7 @@ impl MotionKind {
         Self {
             kind: File::KIND,
             build: |section, robot, recording| section.read::<File>().motion(robot, recording),
+            period: |section| Some(File::of_table(section.table())?.period()),
         }
     }
 }
@@ -130,6 +136,12 @@ pub fn build(name: &str, file: Section, robot: &Robot, clip: Option<&str>) -> Re
     let motion = (entry.build)(file, robot, clip)?;
     motion.check().map_err(MotionError::Values)?;
     Ok(Motion { name: name.to_owned(), ..motion })
+}
+
+/// Duration in s of a cycle of a decoded motion file; `None` if its kind is unknown or a key is missing.
+pub fn period(file: Section) -> Option<f64> {
+    let kind = file.kind()?;
+    (KINDS.iter().find(|entry| entry.kind.name == kind)?.period)(file)
 }
 
 /// Reads a motion file, whose text is in the sources. `None` after an error, which is then in the sink.

@@ -81,6 +81,10 @@ impl Formula for RunGait {
             (0..SAMPLES).map(|index| run.stride(index as f64 / SAMPLES as f64)).collect();
         gait(robot, Cycle { period: run.period, speed: run.speed, harmonics: self.harmonics }, &strides)
     }
+
+    fn period(&self) -> f64 {
+        self.period
+    }
 }
 
 impl ScaledRun {

@@ -35,12 +35,21 @@ impl Formula for Squat {
     fn motion(&self, robot: &Robot, _: Option<&str>) -> Result<Motion, MotionError> {
         squats(self, robot)
     }
+
+    fn period(&self) -> f64 {
+        period(self)
+    }
+}
+
+/// Duration of a cycle in s: rest, down, hold, up, rest.
+fn period(squat: &Squat) -> f64 {
+    2.0 * (squat.rest + squat.r#move) + squat.hold
 }
 
 /// The motion of a robot.
 fn squats(squat: &Squat, robot: &Robot) -> Result<Motion, MotionError> {
     let (rest, travel, hold) = (squat.rest, squat.r#move, squat.hold);
-    let period = 2.0 * (rest + travel) + hold;
+    let period = period(squat);
     let low = squatting(squat, robot)?;
     let standing = robot.default_pose();
     let times = (0..SAMPLES).map(|index| period * index as f64 / SAMPLES as f64);

@@ -80,6 +80,10 @@ impl Formula for Walk {
         let speed = 2.0 * walk.step / walk.period;
         gait(robot, Cycle { period: walk.period, speed, harmonics: self.harmonics }, &strides)
     }
+
+    fn period(&self) -> f64 {
+        self.period
+    }
 }
 
 impl ScaledWalk {

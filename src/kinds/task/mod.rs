@@ -1,11 +1,13 @@
 //! Tasks: motion, duration and commanded speed.
 
+mod long_enough;
 mod meaning;
 pub mod run;
 pub mod squat;
 pub mod stand;
 pub mod walk;
 
+pub use long_enough::Shortest;
 pub use meaning::{Bound, Criterion, Evidence, Meaning};
 pub use walk::Walk;
 

@@ -318,7 +318,7 @@ fn values(run: &Arm, evaluation: &Evaluation, metric: &MetricKind) -> Option<Vec
     match metric.source {
         // An episode counts if it is survived and the policy meets the other criteria of its task.
         metric::Source::Task => {
-            let does = verdict::does_but_for_survival(run, evaluation);
+            let does = verdict::does_but_for_survival(run, evaluation)?;
             let of = |episode: &Episode| f64::from(u8::from(does && episode.survived));
             Some(evaluation.episodes.iter().map(of).collect()).filter(|values: &Vec<f64>| !values.is_empty())
         }

@@ -308,8 +308,10 @@ impl Index {
     fn reservation(&self, suite: &Listed) -> String {
         let tasks = self.reports.get(&suite.page).map_or(&[][..], |report| &report.tasks);
         let none = !tasks.is_empty() && tasks.iter().all(TaskRecord::fails);
+        let unjudged = !none && tasks.iter().any(|task| task.unjudged > 0);
         let known = [
             none.then_some(" (no policy does its task)"),
+            unjudged.then_some(" (not every policy is judged)"),
             self.is_by_earlier_rules(suite).then_some(", by earlier rules"),
         ];
         known.into_iter().flatten().collect()

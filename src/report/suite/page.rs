@@ -116,7 +116,8 @@ pub fn paragraphs(input: &ReportInput) -> Vec<String> {
         groups.len()
     )];
     // This precedes all comparisons of arms, as those may compare failures.
-    if let Some(told) = tasks::paragraph(&tasks::records(input)) {
+    let records = tasks::records(input);
+    for told in [tasks::unjudged_paragraph(&records), tasks::paragraph(&records)].into_iter().flatten() {
         paragraphs.insert(0, told);
     }
     let claims = input.suite.iter().flat_map(|suite| &suite.claims);

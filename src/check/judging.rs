@@ -1,0 +1,77 @@
+//! W0514: evaluations that are too short to judge the task.
+
+use super::Subject;
+use super::subject::duration;
+use crate::diag::{Diagnostic, Sink};
+use crate::kinds::deploy::Export;
+use crate::kinds::evaluate::Setting;
+use crate::kinds::task::{Shortest, Walk};
+
+/// Every evaluation lasts as long as a cycle of the reference motion, whose period in s this is, and as long
+/// as a fall. Those with the task's own duration are one finding.
+pub fn evaluations_are_long_enough(subject: &Subject, period: Option<f64>, sink: &mut Sink) {
+    let Some(robot) = subject.robot else { return };
+    let shortest = Shortest::of(period, robot.standing_height);
+    let mut short: Vec<(String, Vec<String>)> = Vec::new();
+    for (table, term) in subject.protocols() {
+        if term.is::<Export>() {
+            continue;
+        }
+        let own = Setting::time_limit.below(&table);
+        let path = if subject.value(&own).is_some() { own } else { Walk::episode.path() };
+        if subject.number(&path).is_none_or(|limit| shortest.is_reached_by(limit)) {
+            continue;
+        }
+        match short.iter_mut().find(|(known, _)| *known == path) {
+            Some((_, tables)) => tables.push(table),
+            None => short.push((path, vec![table])),
+        }
+    }
+    for (path, tables) in short {
+        let limit = duration(subject.number(&path).unwrap_or_default());
+        let names: Vec<String> = tables.iter().map(|table| format!("`{table}`")).collect();
+        let verb = if names.len() == 1 { "is" } else { "are" };
+        let message = format!("{} {verb} too short to judge the task: {limit}", names.join(", "));
+        let mut diagnostic = Diagnostic::warning("W0514", message);
+        if let Some(place) = subject.place(&path) {
+            diagnostic = diagnostic.at(place, "");
+        }
+        sink.emit(diagnostic.help(format!(
+            "a report says `not judged` for it; a verdict takes at least {}",
+            shortest.in_words()
+        )));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::subject::sample::table;
+    use super::*;
+    use crate::spec::Marks;
+
+    #[test]
+    fn an_evaluation_shorter_than_a_cycle_or_a_fall_is_w0514_once_for_the_task_s_duration() {
+        let robot = crate::robot::tests::robot("tocabi");
+        let told = |text: &str, period: Option<f64>| -> Vec<String> {
+            let fields = table(text);
+            let subject = Subject { fields: &fields, marks: &Marks::default(), robot: Some(&robot) };
+            let mut sink = Sink::default();
+            evaluations_are_long_enough(&subject, period, &mut sink);
+            sink.diagnostics.into_iter().map(|found| format!("{} {}", found.code, found.message)).collect()
+        };
+        let spec = |episode: &str, own: &str| {
+            format!(
+                "[task]\nepisode = {episode}\n[evaluate.a]\nkind = \"episodes\"\n{own}\n\
+                 [deploy.b]\nkind = \"transfer\"\n[deploy.policy]\nkind = \"export\"\n"
+            )
+        };
+        let none: Vec<String> = Vec::new();
+        assert_eq!(told(&spec("16.0", ""), Some(1.8)), none);
+        let all = told(&spec("0.2", ""), Some(1.8));
+        assert_eq!(all, ["W0514 `evaluate.a`, `deploy.b` are too short to judge the task: 200 ms"]);
+        let one = told(&spec("16.0", "time_limit = 1.0"), None);
+        assert_eq!(one, ["W0514 `evaluate.a` is too short to judge the task: 1 s"]);
+        assert_eq!(told(&spec("0.2", "time_limit = 4.0"), Some(1.8)).len(), 1);
+        assert_eq!(told(&spec("2.0", ""), None), none);
+    }
+}
