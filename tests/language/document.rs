@@ -1,8 +1,11 @@
-//! `docs/reference/language.md`: the suites as one page for readers, without the annotations that the test
-//! reads.
+//! `docs/reference/language.md`: what the suites show to be right, as one page for readers, without the
+//! annotations that the test reads. Of the cases with a mistake it has the names alone, with their codes.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+
+use specforge::diag::codes::PAGES;
 
 use super::{Part, parts, root};
 
@@ -25,20 +28,26 @@ pub const CHAPTERS: &[&str] = &[
     "templates",
 ];
 
+/// Cases that the page shows although they have a mistake.
+const SHOWN: &[&str] = &["Reading a diagnostic", "Importing a robot"];
+
 const INTRODUCTION: &str = "\
 # The spec language
 
 A spec is a TOML file that describes one experiment with a robot: which robot, in which physics, with which \
 task, actions,
 observations and rewards, how it learns and how it is judged. This page explains the language chapter by \
-chapter: first what
-is right, then each mistake with the message that it gives. The keys of every kind are in \
-[kinds.md](kinds.md), the codes of
-all messages in [codes.md](codes.md); `specforge explain` prints both in the terminal.
+chapter, with an
+example of each form. The keys of every kind are in [kinds.md](kinds.md); `specforge explain` prints them in \
+the terminal.
 
-Every example is a test: this page is generated from `tests/language/`, where each spec is checked and each \
-message compared
-letter by letter.
+Each chapter ends with the mistakes that are recognised, and links to the code that explains them and says how \
+to fix them.
+[Common mistakes and their messages](diagnostics.md) shows the messages.
+
+This page is generated from `tests/language/`, where each example is checked, and the message of each mistake \
+compared letter
+by letter.
 
 ";
 
@@ -66,15 +75,55 @@ fn numbered(path: &Path) -> (String, String) {
     let text = fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let (title, rest) = text.split_once('\n').expect("a suite has a title");
     let title = title.strip_prefix("# ").expect("a suite begins with its title").to_owned();
+    let parts = parts(rest);
     let mut body = String::new();
-    for part in parts(rest) {
-        match part {
-            Part::Heading(heading) => body += &format!("### {heading}\n"),
-            Part::Prose(line) => body += &format!("{}\n", prose(&line)),
-            Part::Block { info, body: block } => body += &fenced(&info, &block),
+    let mut mistakes = Vec::new();
+    for case in parts.chunk_by(|_, next| !matches!(next, Part::Heading(_))) {
+        match (&case[0], mistake(case)) {
+            (Part::Heading(heading), Some(codes)) => mistakes.push((heading.as_str(), codes)),
+            _ => case.iter().for_each(|part| body += &printed(part)),
+        }
+    }
+    if !mistakes.is_empty() {
+        body += "### Mistakes\n\n| mistake | code |\n|---|---|\n";
+        for (heading, codes) in mistakes {
+            let codes: Vec<String> = codes.iter().map(|code| link(code)).collect();
+            body += &format!("| {heading} | {} |\n", codes.join(", "));
         }
     }
     (title, body)
+}
+
+/// The codes of a case with a mistake; `None` for a case that the page shows.
+fn mistake(case: &[Part]) -> Option<BTreeSet<&str>> {
+    let Part::Heading(heading) = &case[0] else { return None };
+    let blocks = case.iter().filter_map(|part| match part {
+        Part::Block { body, .. } => Some(body.as_str()),
+        _ => None,
+    });
+    let marks =
+        ["# error: [", "# warning: [", "# error nowhere: [", "# error in --set: [", "error[", "warning["];
+    let codes: BTreeSet<&str> = blocks
+        .flat_map(|block| marks.iter().flat_map(|mark| block.split(mark).skip(1)))
+        .filter_map(|rest| rest.split(']').next())
+        .collect();
+    (!codes.is_empty() && !SHOWN.contains(&heading.as_str())).then_some(codes)
+}
+
+/// A code with a link to its page in `codes.md`.
+fn link(code: &str) -> String {
+    let page = PAGES.iter().find(|page| page.code == code).unwrap_or_else(|| panic!("no page for {code}"));
+    let heading = page.text.lines().next().unwrap_or_default().trim_start_matches("# ");
+    format!("[{code}](codes.md#{})", anchor(heading))
+}
+
+/// A part as the page has it.
+fn printed(part: &Part) -> String {
+    match part {
+        Part::Heading(heading) => format!("### {heading}\n"),
+        Part::Prose(line) => format!("{}\n", prose(line)),
+        Part::Block { info, body } => fenced(info, body),
+    }
 }
 
 /// A line of prose; the arguments of a case become a sentence.
