@@ -1,5 +1,11 @@
-//! Every `--help` ends with examples that the program understands and with its exit codes, and
-//! `specforge completions` writes a script that completes.
+//! Every `--help` ends with examples that the program understands and with its exit codes,
+//! `docs/reference/commands.md` says what `--help` says, and `specforge completions` writes a script that
+//! completes.
+//!
+//! `SPECFORGE_BLESS=1 cargo test --test help` rewrites the document.
+
+#[path = "help/document.rs"]
+mod document;
 
 use std::fs;
 use std::path::Path;
@@ -53,6 +59,37 @@ fn every_command_has_examples_that_it_understands_and_says_its_exit_codes() {
         }
     }
     assert!(count >= 30, "{count} examples");
+}
+
+#[test]
+fn the_document_of_the_commands_is_up_to_date() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/reference/commands.md");
+    let page = document::page();
+    if std::env::var_os("SPECFORGE_BLESS").is_some() {
+        fs::write(&path, &page).expect("docs/ is writable");
+    }
+    let written = fs::read_to_string(&path).unwrap_or_default();
+    assert!(
+        written == page,
+        "docs/reference/commands.md is stale: run SPECFORGE_BLESS=1 cargo test --test help"
+    );
+}
+
+#[test]
+fn the_document_has_every_command_and_every_option() {
+    fn missing(command: &clap::Command, name: &str, page: &str) -> Vec<String> {
+        let own = (!page.contains(&format!("# {name}\n"))).then(|| name.to_owned());
+        let options = command.get_arguments().filter_map(clap::Arg::get_long);
+        let options = options.filter(|long| !page.contains(&format!("`--{long}"))).map(str::to_owned);
+        let below = command.get_subcommands().filter(|sub| sub.get_name() != "help");
+        let below = below.flat_map(|sub| missing(sub, &format!("{name} {}", sub.get_name()), page));
+        own.into_iter().chain(options).chain(below).collect()
+    }
+    let command = Arguments::command();
+    let page = document::page();
+    let commands = command.get_subcommands().filter(|sub| sub.get_name() != "help");
+    let missing: Vec<String> = commands.flat_map(|sub| missing(sub, sub.get_name(), &page)).collect();
+    assert!(missing.is_empty(), "docs/reference/commands.md lacks {missing:?}");
 }
 
 #[test]

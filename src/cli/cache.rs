@@ -26,9 +26,9 @@ pub struct Options {
 enum Action {
     /// Lists the artefacts
     List,
-    /// Checks every byte against its digest, and what is said twice against its source
+    /// Checks every file against its digest, and copied values against their source
     Verify,
-    /// Removes artefacts that provably no stage uses any more, and damaged ones
+    /// Removes damaged artefacts, and those that provably no stage uses any more
     Gc {
         /// Keeps artefacts that are younger
         #[arg(long, value_name = "DAYS", default_value = "14", value_parser = days,
@@ -37,14 +37,14 @@ enum Action {
         /// Also removes the checkpoints of stages that were not finished
         #[arg(long)]
         scratch: bool,
-        /// Takes the journal as it is, damaged or missing, and what it does not name for unused
+        /// Trusts a damaged or missing journal: artefacts that it does not name count as unused
         #[arg(long)]
         force: bool,
-        /// Says what would be removed, and removes nothing
+        /// Prints what would be removed, and removes nothing
         #[arg(long)]
         dry_run: bool,
     },
-    /// Writes a record of each finished run of a plan: a JSON file with all that its report needs
+    /// Writes a record of each finished run of a plan: a JSON file with everything that its report needs
     Export(records::Export),
     /// Puts the runs of records into the store, so that a report needs no new training
     Import(records::Import),

@@ -46,7 +46,7 @@ Examples:
   specforge why specs/atlas_run_torque.toml learner
   specforge why specs/atlas_run_torque.toml learner --set learn.seed=2
 
-Exit codes: 0 answered, 2 there is no such stage, 3 the spec has errors.";
+Exit codes: 0 answered, 2 unknown stage, 3 the spec has errors.";
 
 /// `bench`
 pub const BENCH: &str = "\
@@ -77,7 +77,7 @@ Examples:
   specforge plan specs/atlas_run_torque.toml --save plan.json
   specforge stage atlas_run_torque/learner --plan plan.json
 
-Exit codes: 0 done, 2 no stage or several are meant, 4 the stage failed, 6 interrupted.";
+Exit codes: 0 done, 2 no stage or several match, 4 the stage failed, 6 interrupted.";
 
 /// `cache`
 pub const CACHE: &str = "\
@@ -95,7 +95,7 @@ Examples:
   specforge list reward
   specforge list keys --format json
 
-Exit codes: 0 listed, 2 there is no such list.";
+Exit codes: 0 listed, 2 unknown list.";
 
 /// `explain`
 pub const EXPLAIN: &str = "\
@@ -105,13 +105,13 @@ Examples:
   specforge explain learn.samples
   specforge explain rad/s
 
-Exit codes: 0 explained, 2 nothing is called so.";
+Exit codes: 0 explained, 2 unknown word.";
 
 /// `fmt`
 pub const FMT: &str = "\
 Keys and sections take the order of the registries, `=` and comments are aligned; values and comments keep \
 their text.
-docs/guide/editor.md holds the rules.
+The rules are in docs/guide/editor.md.
 
 Examples:
   specforge fmt specs robots
@@ -128,8 +128,9 @@ Examples:
   specforge new alone.toml --standalone
   specforge new weights.toml --suite my_run.toml
 
-Exit codes: 0 written, 2 the file is already there, a name is not known or --suite names no spec that can be
-varied, 3 the robot, the spec of --suite or what was written has errors.";
+Exit codes: 0 written, 2 the file exists, a name is unknown or --suite names no spec that can be varied, 3 \
+the robot, the
+spec of --suite or what was written has errors.";
 
 /// `schema`
 pub const SCHEMA: &str = "\
@@ -157,7 +158,7 @@ Examples:
   specforge robot show g1 --format urdf
   specforge robot import walker.urdf --joints 'hip|knee|ankle'
 
-Exit codes: 0 done, 2 there is no such robot or the file to write is there already, 3 its file or the robot \
+Exit codes: 0 done, 2 unknown robot, or the file to write exists, 3 its file or the robot \
 has errors.";
 
 /// `report`
@@ -177,7 +178,7 @@ Examples:
   specforge trace reports/atlas_run_torque.md
   specforge trace reports/atlas_run_torque/speed.svg
 
-Exit codes: 0 traced, 2 there is no such figure or cell.";
+Exit codes: 0 traced, 2 unknown figure or cell.";
 
 /// `doctor`
 pub const DOCTOR: &str = "\

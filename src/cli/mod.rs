@@ -71,10 +71,10 @@ pub struct Global {
     /// Where artefacts are kept [default: .specforge beside Cargo.toml or the spec]
     #[arg(long, global = true, value_name = "DIR")]
     pub store: Option<PathBuf>,
-    /// Say less
+    /// Print less
     #[arg(short, long, global = true)]
     pub quiet: bool,
-    /// Say more
+    /// Print more
     #[arg(short, long, global = true, action = clap::ArgAction::Count)]
     pub verbose: u8,
     /// Whether warnings of specs are left to the commands that are about them.
@@ -142,13 +142,13 @@ enum Command {
     /// Shows a spec as it is resolved: values, origins, signals
     #[command(after_help = examples::SHOW)]
     Show(show::Options),
-    /// Shows the dataflow graph: stages, what they take in, whether they are cached and why not
+    /// Shows the dataflow graph: stages, their inputs, whether they are cached, and why not
     #[command(after_help = examples::PLAN)]
     Plan(plan::Options),
     /// Runs specs: checks, trains, evaluates, deploys and writes the report
     #[command(after_help = examples::RUN)]
     Run(run::Options),
-    /// Says why a stage would run: the field that changed, with both values and where they come from
+    /// Explains why a stage would run: the field that changed, with both values and their origins
     #[command(after_help = examples::WHY)]
     Why(why::Options),
     /// Measures how fast a spec trains on this machine: physics, rollout, learner, all together
@@ -157,10 +157,10 @@ enum Command {
     /// Evaluates an exported policy without its spec: any engine, command, terrain, seed
     #[command(after_help = examples::EVALUATE)]
     Evaluate(evaluate::Options),
-    /// Runs one stage of a saved plan by itself
+    /// Runs one stage of a saved plan
     #[command(after_help = examples::STAGE)]
     Stage(stage::Options),
-    /// Writes a spec or a suite to begin with
+    /// Writes a new spec or suite
     #[command(after_help = examples::NEW)]
     New(new::Options),
     /// Writes specs, suites, motions and robots in their canonical form
@@ -172,7 +172,7 @@ enum Command {
     /// Prints the JSON Schemas that editors check and complete specs with
     #[command(after_help = examples::SCHEMA)]
     Schema(schema::Options),
-    /// Prints the script with which a shell completes commands, options and names
+    /// Prints a shell's completion script: commands, options and names
     #[command(after_help = examples::COMPLETIONS)]
     Completions(completions::Options),
     /// Lists the registries and their kinds, or the codes, keys, units, robots or motions
@@ -181,16 +181,16 @@ enum Command {
     /// Explains a code, a kind, a section, a key or a unit, a sweep or a claim
     #[command(after_help = examples::EXPLAIN)]
     Explain(explain::Options),
-    /// Shows a robot, or makes a robot file of a URDF or MJCF file
+    /// Shows a robot, or imports one from a URDF or MJCF file
     #[command(after_help = examples::ROBOT)]
     Robot(robot::Options),
-    /// Renders a report again from the store, never simulates
+    /// Renders a report again from the store, without simulating
     #[command(after_help = examples::REPORT)]
     Report(report::Options),
-    /// Says which runs, stages, spec values and commits a figure or a table's cell comes from
+    /// Shows which runs, stages, spec values and commits a figure or a table cell comes from
     #[command(after_help = examples::TRACE)]
     Trace(trace::Options),
-    /// Says what this machine lacks, and the cure
+    /// Reports what this machine lacks, and how to fix it
     #[command(after_help = examples::DOCTOR)]
     Doctor(doctor::Options),
 }

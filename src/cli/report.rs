@@ -24,7 +24,7 @@ pub struct Options {
     files: Vec<PathBuf>,
     #[command(flatten)]
     variant: Variant,
-    /// Where the report is written [default: below reports as the spec is below specs]
+    /// Folder of the report [default: `reports/`, with the subfolders of the spec in `specs/`]
     #[arg(long, value_name = "DIR")]
     reports: Option<PathBuf>,
     /// Writes README.md instead: every claim of every suite below specs and what became of it

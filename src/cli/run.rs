@@ -32,28 +32,28 @@ use crate::study::{Study, page};
 pub struct Options {
     #[command(flatten)]
     pub(super) source: Source,
-    /// Threads in all, and stages at once at most [default: the machine's cores]
+    /// Number of threads, and largest number of stages at once [default: the machine's cores]
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
-    /// Works only on this stage (`learner`, `ARM/learner`); may be repeated
+    /// Runs only this stage (`learner`, `ARM/learner`); may be repeated
     #[arg(long, value_name = "STAGE")]
     only: Vec<String>,
-    /// Works on this stage and all that follows from it
+    /// Runs this stage and all that depend on it
     #[arg(long, value_name = "STAGE")]
     from: Vec<String>,
-    /// Works on this stage and all that it needs
+    /// Runs this stage and all that it needs
     #[arg(long, value_name = "STAGE")]
     until: Vec<String>,
-    /// Goes on with other stages after a failure; this is the default
+    /// Continues with other stages after a failure; this is the default
     #[arg(long, conflicts_with = "fail_fast")]
     keep_going: bool,
-    /// Starts nothing after a failure
+    /// Starts no further stage after a failure
     #[arg(long)]
     fail_fast: bool,
-    /// Says what would be done, and does nothing
+    /// Prints what would run, and runs nothing
     #[arg(long)]
     dry_run: bool,
-    /// Where the report is written [default: below reports as the spec is below specs]
+    /// Folder of the report [default: `reports/`, with the subfolders of the spec in `specs/`]
     #[arg(long, value_name = "DIR")]
     reports: Option<PathBuf>,
 }

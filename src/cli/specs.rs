@@ -15,7 +15,7 @@ use crate::study::{self, Log, Refusal, files};
 /// Options that choose a variant of a spec.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct Variant {
-    /// Lays an overlay of the spec, `[profile.NAME]`, over it
+    /// Applies the spec's overlay `[profile.NAME]`
     #[arg(long, value_name = "NAME")]
     pub profile: Option<String>,
     /// Sets a value: `--set learn.seed=2`, `--set "action.std=5 %"`; may be repeated

@@ -75,7 +75,7 @@ pub struct Options {
     /// Lets the policy act with the exploration of its training, not by its mean alone
     #[arg(long)]
     explore: bool,
-    /// Runs a policy whose digest is missing or does not fit: you know where its bytes come from
+    /// Runs a policy whose digest is missing or wrong; use it only if you know where the file comes from
     #[arg(long)]
     trust: bool,
     /// Threads; the numbers do not depend on them [default: the machine's cores]

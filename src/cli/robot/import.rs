@@ -26,34 +26,34 @@ pub struct Options {
     /// The URDF or MJCF file
     #[arg(value_name = "FILE")]
     file: PathBuf,
-    /// Name of the robot; without it that of the file
+    /// Name of the robot [default: the file's name]
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
-    /// Joints that stay joints, as a regular expression over their names; all others are welded at zero, or
-    /// at the position that a key frame gives. Without it the joints between the base and the feet
+    /// Joints to keep, as a regular expression over their names; all others are welded at zero, or at their
+    /// position in the key frame [default: the joints between the base and the feet]
     #[arg(long, value_name = "REGEX")]
     joints: Option<Regex>,
-    /// The left and the right foot's body; without it the two ends of the tree that reach lowest
+    /// The left and the right foot's body [default: the two ends of the tree that reach lowest]
     #[arg(long, value_name = "LEFT,RIGHT", value_parser = pair)]
     feet: Option<[String; 2]>,
-    /// The key frame of an MJCF file that gives the default pose, also of welded joints; without it the first
-    /// one
+    /// The key frame of an MJCF file that gives the default pose, also of welded joints [default: the first
+    /// one]
     #[arg(long, value_name = "NAME")]
     key: Option<String>,
-    /// Replaces the principal moments of a body that no rigid body has by their mean, as MuJoCo's
+    /// Replaces principal moments that are impossible for a rigid body by their mean, as MuJoCo's
     /// `balanceinertia` does
     #[arg(long)]
     balance_inertia: bool,
-    /// The folder from which meshes and included files may be read; without it the ROS package that FILE is
-    /// in, or else FILE's own
+    /// The folder from which meshes and included files may be read [default: FILE's ROS package, otherwise
+    /// FILE's folder]
     #[arg(long, value_name = "DIR")]
     root: Option<PathBuf>,
-    /// A figure for joints of which FILE does not say it: `damping=0.3 N*m*s/rad` for all,
-    /// `knee:default_position=0.6 rad` for those whose names fit the regular expression; may be repeated, the
-    /// last that fits counts
+    /// A value for joints that have none in FILE: `damping=0.3 N*m*s/rad` for all,
+    /// `knee:default_position=0.6 rad` for those whose names match the regular expression; may be repeated,
+    /// the last match counts
     #[arg(long, value_name = "[JOINTS:]KEY=VALUE", value_parser = fill)]
     fill: Vec<Fill>,
-    /// Where to write; without it robots/NAME.toml
+    /// The file to write [default: robots/NAME.toml]
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
 }
