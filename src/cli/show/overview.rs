@@ -15,6 +15,7 @@ use crate::kinds::randomize::Rows;
 use crate::kinds::reward::Rewards;
 use crate::kinds::task::Task;
 use crate::kinds::terminate::Terminations;
+use crate::robot::stated;
 use crate::spec::typed::{Declared, InSection};
 use crate::spec::{Experiment, Value};
 
@@ -40,10 +41,11 @@ fn rows(checked: &Checked, experiment: &Experiment) -> Vec<(&'static str, String
         rows.push(("abstract", "a parent for other specs; it cannot be run".to_owned()));
     }
     if let Some(robot) = &checked.robot {
-        rows.push((
-            "robot",
-            format!("{}, {:.2} kg, {} joints", robot.name, robot.total_mass(), robot.joints()),
-        ));
+        let simulated = stated::loaded(robot, &experiment.table);
+        let payload = simulated.total_mass() - robot.total_mass();
+        let with = if payload > 0.0 { format!(" with a payload of {payload:.2} kg") } else { String::new() };
+        let mass = simulated.total_mass();
+        rows.push(("robot", format!("{}, {mass:.2} kg{with}, {} joints", robot.name, robot.joints())));
     }
     if let Some(Physics { engine, rate }) = experiment.part() {
         rows.push((Physics::SECTION, format!("{} at {rate} Hz", engine.word())));

@@ -1,11 +1,9 @@
 //! The robot stage: the validated model, with its payload and the joint values that the spec sets, as an
 //! artefact.
 
-use nalgebra::Point3;
-
 use crate::exec::work::{Job, Work, WorkError};
 use crate::robot::{Robot, stated};
-use crate::spec::{Section, Table, section};
+use crate::spec::Table;
 
 /// Writes `robot.json`.
 pub struct RobotWork;
@@ -21,9 +19,8 @@ impl Work for RobotWork {
 
 /// The model of a stage. The plan stores it resolved, so that its numbers are part of the fingerprint.
 pub fn resolved(content: &serde_json::Value, fields: &Table) -> Result<Robot, serde_json::Error> {
-    let mut robot: Robot = serde_json::from_value(content.clone())?;
-    let payload = Section::new(fields).at(section::Robot::payload);
-    robot.base.load(payload.unwrap_or(0.0), Point3::origin());
+    let robot: Robot = serde_json::from_value(content.clone())?;
+    let mut robot = stated::loaded(&robot, fields).into_owned();
     stated::state(&mut robot, fields);
     Ok(robot)
 }

@@ -21,6 +21,19 @@ const FASTEST: f64 = 100.0;
 const TURN: f64 = TAU;
 /// Speed in rad/s that every leg joint must reach against its own damping; slow walking needs 2.
 const SLOWEST: f64 = 1.0;
+/// Smallest velocity limit in rad/s of a leg joint that can step; the slowest known hip has 0.32.
+const CREEPING: f64 = 0.25;
+/// Share of the effort limit that friction leaves to a motor that can be used (E0425), and that it leaves in
+/// known robots (W0415).
+const LEFT: [f64; 2] = [0.2, 0.5];
+/// Angular acceleration in rad/s^2 that every motor must give its own rotor; the swing of a slow step needs 10,
+/// and the slowest known leg joint has 200.
+const ACCELERATION: f64 = 15.0;
+/// Smallest torque of a leg joint, relative to the robot's weight times its leg length; the weakest known toes
+/// have 0.03.
+const WEAKEST: f64 = 0.003;
+/// Smallest range in rad of a leg joint; the stiffest ankles have 0.5.
+const NARROW: f64 = 0.1;
 /// Maximum number of joints listed by name; of the rest only the count is shown.
 const NAMED: usize = 3;
 
@@ -29,6 +42,8 @@ pub fn check(robot: &Robot) -> Examined {
     let hold = holding(robot);
     let mut issues: Vec<Issue> = stuck(robot).into_iter().collect();
     issues.extend(placeholders(robot, hold));
+    issues.extend(useless(robot, hold));
+    issues.extend(rubbing(robot));
     issues.extend(slow(robot));
     issues.extend(heavy(robot));
     let share = robot.links.iter().map(|link| link.joint.effort_limit).fold(0.0, f64::max)
@@ -123,31 +138,101 @@ fn names(found: &[(usize, &Joint)], joints: usize) -> String {
     }
 }
 
-/// Joints that their motors cannot move (E0425). An effort limit of zero is missing in the import.
+/// One issue per type of limit that is too small for a leg (W0414). Zeros are missing in the import.
+fn useless(robot: &Robot, hold: Option<f64>) -> Vec<Issue> {
+    let told =
+        |key: &str, of: &dyn Fn(&Joint) -> f64, least: f64, say: &dyn Fn(&str, f64) -> String, help: &str| {
+            let small = |joint: &Joint| of(joint) > 0.0 && of(joint) < least;
+            let found: Vec<(usize, &Joint)> = joints(robot).filter(|(_, joint)| small(joint)).collect();
+            let (index, worst) =
+                found.iter().copied().reduce(|a, b| if of(b.1) < of(a.1) { b } else { a })?;
+            Some(Issue {
+                code: "W0414",
+                path: format!("links.{index}.joint.{key}"),
+                message: say(&names(&found, robot.joints()), of(worst)),
+                help: help.to_owned(),
+            })
+        };
+    let carried = hold.unwrap_or(0.0);
+    let issues = [
+        told(
+            "effort_limit",
+            &|joint| joint.effort_limit,
+            WEAKEST * carried,
+            &|names, least| {
+                format!(
+                    "the effort limit of {names}, down to {least:.3e} N m, is useless: the robot's weight at the \
+                     length of its leg is {carried:.1} N m"
+                )
+            },
+            "write the largest torque of the drive in N m: torques are commanded as shares of it",
+        ),
+        told(
+            "velocity_limit",
+            &|joint| joint.velocity_limit,
+            CREEPING,
+            &|names, least| {
+                format!("the velocity limit of {names}, down to {least} rad/s, is below that of a slow walk")
+            },
+            "write the speed limit of the joint in rad/s, at the output of its gear",
+        ),
+        told(
+            "lower",
+            &|joint| joint.upper - joint.lower,
+            NARROW,
+            &|names, least| format!("the range of {names}, down to {least:.3} rad, is too small for a step"),
+            "write the range that the joint may use in rad, or weld the joint: `specforge robot import --joints`",
+        ),
+    ];
+    issues.into_iter().flatten().collect()
+}
+
+/// Joints that their motors cannot move, or only just (E0425). An effort limit of zero is missing in the
+/// import.
 fn stuck(robot: &Robot) -> Option<Issue> {
-    let held =
-        joints(robot).filter(|(_, joint)| joint.effort_limit > 0.0 && joint.friction >= joint.effort_limit);
-    let found = held.map(|(index, joint)| Outlier {
-        excess: joint.friction / joint.effort_limit,
+    worst(
+        "E0425",
+        held(robot, LEFT[0], f64::INFINITY),
+        "joints",
+        "write a Coulomb friction below the effort limit",
+    )
+}
+
+/// Joints whose friction takes most of their motors' torque (W0415).
+fn rubbing(robot: &Robot) -> Option<Issue> {
+    let help =
+        "write the Coulomb friction of the joint in N m: known joints have up to 5 % of their effort limit";
+    worst("W0415", held(robot, LEFT[1], 1.0 - LEFT[0]), "joints", help)
+}
+
+/// Joints whose friction leaves at most this share of their torque, and takes less than `most` of it.
+fn held(robot: &Robot, left: f64, most: f64) -> Vec<Outlier> {
+    let share = |joint: &Joint| joint.friction / joint.effort_limit;
+    let held = joints(robot)
+        .filter(|(_, joint)| joint.effort_limit > 0.0 && share(joint) >= 1.0 - left && share(joint) < most);
+    held.map(|(index, joint)| Outlier {
+        excess: share(joint),
         path: format!("links.{index}.joint.friction"),
         message: format!(
             "the friction of joint `{}` is {} N m, and its motor has {} N m",
             joint.name, joint.friction, joint.effort_limit
         ),
-    });
-    worst("E0425", found.collect(), "joints", "write a Coulomb friction below the effort limit")
+    })
+    .collect()
 }
 
 /// Joints that are slowed down too much by their own damping (W0415).
 fn slow(robot: &Robot) -> Option<Issue> {
-    let held = joints(robot)
-        .filter(|(_, joint)| joint.effort_limit > 0.0 && joint.damping * SLOWEST > joint.effort_limit);
+    let left = |joint: &Joint| joint.effort_limit - joint.friction;
+    let held = joints(robot).filter(|(_, joint)| left(joint) > 0.0 && joint.damping * SLOWEST > left(joint));
     let found = held.map(|(index, joint)| Outlier {
         excess: joint.damping / joint.effort_limit,
         path: format!("links.{index}.joint.damping"),
         message: format!(
             "the damping of joint `{}`, {} N m s/rad, takes all of its {} N m below {SLOWEST} rad/s",
-            joint.name, joint.damping, joint.effort_limit
+            joint.name,
+            joint.damping,
+            left(joint)
         ),
     });
     let help =
@@ -155,20 +240,33 @@ fn slow(robot: &Robot) -> Option<Issue> {
     worst("W0415", found.collect(), "joints", help)
 }
 
-/// Rotor inertias that exceed the robot's mass times its size squared (W0415).
+/// Rotors that their motors cannot accelerate as a step needs it, and those that exceed the robot's mass times
+/// its size squared (W0415).
 fn heavy(robot: &Robot) -> Option<Issue> {
     let reach = reach(robot);
     let whole = robot.total_mass() * reach * reach;
     let known = bodies(robot).all(|(_, body)| body.mass > 0.0);
-    let heavy = joints(robot).filter(|(_, joint)| known && joint.armature > whole);
-    let found = heavy.map(|(index, joint)| Outlier {
-        excess: joint.armature,
-        path: format!("links.{index}.joint.armature"),
-        message: format!(
-            "the armature of joint `{}`, {} kg m^2, is more than the whole robot's mass times its size \
-             squared ({whole:.3} kg m^2)",
-            joint.name, joint.armature
-        ),
+    let found = joints(robot).filter_map(|(index, joint)| {
+        let path = format!("links.{index}.joint.armature");
+        let least = joint.effort_limit / ACCELERATION;
+        if joint.effort_limit > 0.0 && joint.armature > least {
+            let message = format!(
+                "the motor of joint `{}` accelerates its own rotor ({} kg m^2) by at most {:.1} rad/s^2",
+                joint.name,
+                joint.armature,
+                joint.effort_limit / joint.armature
+            );
+            return Some(Outlier { excess: joint.armature / least, path, message });
+        }
+        (known && joint.armature > whole).then(|| Outlier {
+            excess: joint.armature / whole,
+            path,
+            message: format!(
+                "the armature of joint `{}`, {} kg m^2, is more than the whole robot's mass times its size \
+                 squared ({whole:.3} kg m^2)",
+                joint.name, joint.armature
+            ),
+        })
     });
     let help = "write the rotor's inertia times the square of the gear ratio in kg m^2";
     worst("W0415", found.collect(), "joints", help)

@@ -1,4 +1,5 @@
-//! E0428: motors that cannot hold the robot in its default pose.
+//! E0428: motors that cannot hold the robot in its default pose, or cannot move it out of that pose against
+//! friction.
 
 use nalgebra::Isometry3;
 
@@ -17,17 +18,27 @@ pub fn check(robot: &Robot) -> Examined {
         .map(|((index, joint), torque)| (index, torque.abs(), torque.abs() / joint.effort_limit))
         .collect();
     let most = shares.iter().map(|(.., share)| *share).fold(0.0, f64::max);
-    let beyond = shares.into_iter().filter(|(.., share)| *share > 1.0).map(|(index, torque, share)| {
+    let beyond = shares.into_iter().filter_map(|(index, torque, share)| {
         let joint = &robot.links[index].joint;
-        Outlier {
-            excess: share,
+        let motor = format!("its motor has {} N m", joint.effort_limit);
+        let (excess, reason) = if share > 1.0 {
+            (share, motor)
+        } else {
+            // Friction alone is E0425.
+            let moving = (torque + joint.friction) / joint.effort_limit;
+            if moving <= 1.0 || joint.friction >= 0.8 * joint.effort_limit {
+                return None;
+            }
+            (moving, format!("{motor}, of which friction takes {} N m", joint.friction))
+        };
+        Some(Outlier {
+            excess,
             path: format!("links.{index}.joint.effort_limit"),
             message: format!(
-                "standing on both feet in the default pose takes {torque:.1} N m of joint `{}`, and its \
-                 motor has {} N m",
-                joint.name, joint.effort_limit
+                "standing on both feet in the default pose takes {torque:.1} N m of joint `{}`, and {reason}",
+                joint.name
             ),
-        }
+        })
     });
     let help = "write the largest torque of the drive at the output of its gear, or choose default positions \
         with straighter legs";

@@ -16,6 +16,7 @@ mod scale;
 mod servo;
 mod sides;
 mod size;
+mod soles;
 
 #[cfg(test)]
 mod tests;
@@ -44,6 +45,7 @@ pub fn all(robot: &Robot) -> Vec<Examined> {
     if found.iter().flat_map(|check| &check.issues).all(|issue| issue.code != bounds::CODE) {
         found.push(sides::check(robot));
         found.push(pairs::check(robot));
+        found.push(soles::check(robot));
         found.extend(pose::checks(robot));
         found.push(hold::check(robot));
         found.push(servo::check(robot));
@@ -58,6 +60,16 @@ pub fn figures(robot: &Robot) -> Vec<Examined> {
         return vec![bounds];
     }
     vec![bounds, scale::check(robot), drive::check(robot)]
+}
+
+/// The checks of a robot whose values an experiment changes: bounds, drives, balance and motors in the default
+/// pose. Its shapes are those of a robot that has been checked, and its units are right.
+pub fn changed(robot: &Robot) -> Vec<Examined> {
+    let bounds = bounds::check(robot);
+    if !bounds.issues.is_empty() {
+        return vec![bounds];
+    }
+    vec![drive::check(robot), pose::balance(robot), hold::check(robot)]
 }
 
 /// The checks of the default pose.

@@ -31,7 +31,7 @@ const FIGURES: [Figure; 7] = [
     Figure { key: "damping_gain", unit: "N m s/rad", of: |joint| joint.damping_gain },
 ];
 
-/// Joints, bodies and soles of both sides have the same parameters.
+/// Joints and bodies of both sides have the same parameters.
 pub fn check(robot: &Robot) -> Examined {
     let pairs: Vec<(usize, usize, f64)> = robot
         .mirror
@@ -45,7 +45,6 @@ pub fn check(robot: &Robot) -> Examined {
         found.extend(joints(robot, [index, image], sign));
         found.extend(masses(robot, [index, image]));
     }
-    found.extend(soles(robot));
     let help = "write the same figure on both sides, or, where the machine differs, allow this warning with \
         the reason";
     let issues: Vec<Issue> = worst("W0417", found, "figures", help).into_iter().collect();
@@ -111,15 +110,4 @@ fn masses(robot: &Robot, pair: [usize; 2]) -> Option<Outlier> {
         one.mass, one.name, other.mass, other.name
     );
     counts.then(|| Outlier { excess, path: format!("{}.mass", path_of(pair[1] + 1)), message })
-}
-
-fn soles(robot: &Robot) -> Option<Outlier> {
-    let [left, right] = &robot.feet;
-    let size = |axis: usize| apart(left.half_extents[axis], right.half_extents[axis]);
-    let excess = [0, 1].into_iter().filter_map(size).reduce(f64::max)?;
-    let shown = |foot: &crate::robot::Foot| {
-        format!("{:.0} x {:.0} mm", 2e3 * foot.half_extents.x, 2e3 * foot.half_extents.y)
-    };
-    let message = format!("the left sole has {} and the right one {}", shown(left), shown(right));
-    Some(Outlier { excess, path: "feet.right.half_extents".to_owned(), message })
 }

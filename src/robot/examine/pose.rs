@@ -25,6 +25,11 @@ pub fn checks(robot: &Robot) -> Vec<Examined> {
     vec![soles(robot, &kinematics), support(&kinematics), ground(robot, &kinematics), overlaps(robot)]
 }
 
+/// The robot is balanced (E0421).
+pub fn balance(robot: &Robot) -> Examined {
+    support(&Kinematics::new(robot))
+}
+
 /// The soles are flat and at one height (E0420).
 fn soles(robot: &Robot, kinematics: &Kinematics) -> Examined {
     let tilts = [0, 1].map(|side| tilt(kinematics, side).0);

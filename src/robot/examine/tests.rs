@@ -1,6 +1,7 @@
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::{all, issues};
+use crate::robot::gravity::{GravityCompensation, Weighting};
 use crate::robot::model::{Body, Collision, Robot, Shape};
 use crate::robot::tests::robot;
 
@@ -180,6 +181,18 @@ fn inertias_and_masses_of_other_units_are_told() {
         assert_eq!(told, [(code, "base.inertia".to_owned())], "{factor}");
     }
     assert!(inertia(3.0).is_empty() && inertia(0.3).is_empty());
+    // An error of 30 to 100 is no unit, but no such body exists either.
+    for name in crate::robot::names() {
+        for factor in [30.0, 100.0] {
+            let mut robot = robot(name);
+            robot.base.inertia *= factor;
+            assert_eq!(found_in(&robot), [("W0410", "base.inertia".to_owned())], "{name} {factor}");
+        }
+    }
+    for (link, factor) in [(2, 30.0), (3, 30.0), (5, 100.0)] {
+        let told = found(|robot| robot.links[link].body.inertia *= factor);
+        assert_eq!(told, [("W0410", format!("links.{link}.inertia"))], "{link}");
+    }
     // One shank, and every body.
     let shank = found(|robot| robot.links[3].body.inertia *= 1e4);
     assert_eq!(shank, [("W0410", "links.3.inertia".to_owned())]);
@@ -266,6 +279,26 @@ fn drives_that_cannot_move_their_joints_are_told() {
     assert_eq!(knee(|joint| joint.velocity_limit = 1000.0), ["W0414"]);
     assert_eq!(knee(|joint| (joint.lower, joint.upper) = (-4.0, 4.0)), ["W0414"]);
     assert!(knee(|joint| (joint.friction, joint.damping, joint.armature) = (100.0, 50.0, 5.0)).is_empty());
+    // Just below the effort limit nothing is left to move the leg.
+    assert_eq!(knee(|joint| joint.friction = 285.0), ["E0425"]);
+    assert_eq!(knee(|joint| joint.friction = 180.0), ["W0415"]);
+    let mut gravity = GravityCompensation::new(&robot("tocabi"), Weighting::EffortLimits);
+    let standing =
+        gravity.hold(&Isometry3::identity(), &robot("tocabi").default_pose(), [true; 2]).torque[3].abs();
+    let weak = codes(|robot| {
+        for knee in [3, 9] {
+            let joint = &mut robot.links[knee].joint;
+            (joint.effort_limit, joint.friction) = (1.2 * standing, 0.55 * standing);
+        }
+    });
+    assert_eq!(weak, ["E0428"], "{standing} N m");
+    assert_eq!(knee(|joint| joint.armature = 30.0), ["W0415"]);
+    assert_eq!(knee(|joint| joint.velocity_limit = 0.01), ["W0414"]);
+    assert_eq!(knee(|joint| (joint.lower, joint.upper) = (0.595, 0.605)), ["W0414"]);
+    assert_eq!(knee(|joint| joint.stiffness_gain = 9e5), ["W0424"]);
+    assert_eq!(knee(|joint| joint.damping_gain = 9e4), ["W0424"]);
+    let yaw = codes(|robot| [0, 6].iter().for_each(|yaw| robot.links[*yaw].joint.effort_limit = 1e-3));
+    assert!(yaw.contains(&"W0414"), "{yaw:?}");
 }
 
 #[test]
@@ -332,6 +365,37 @@ fn figures_that_differ_between_left_and_right_are_one_warning_with_both_joints()
         robot.links[3].joint.effort_limit /= 3.0;
     });
     assert!(several.is_some_and(|told| told.contains("L_Knee_Joint") && told.ends_with("(1 more figures)")));
+}
+
+#[test]
+fn soles_that_are_too_large_or_no_mirror_images_are_told() {
+    let both = |change: fn(&mut crate::robot::Foot)| codes(|robot| robot.feet.iter_mut().for_each(change));
+    let right = |change: fn(&mut crate::robot::Foot)| found(|robot| change(&mut robot.feet[1]));
+    for (change, words) in [
+        ((|foot| (foot.half_extents.z, foot.centre.z) = (0.5, 0.34)) as fn(&mut crate::robot::Foot), "tall"),
+        (|foot| foot.half_extents.x = 0.4, "long"),
+        (|foot| foot.centre.z = -0.6, "far"),
+    ] {
+        assert!(both(change).contains(&"W0412"), "{words}");
+    }
+    let different = [("W0417", "feet.right.half_extents".to_owned())];
+    assert_eq!(right(|foot| (foot.half_extents.z, foot.centre.z) = (0.03, -0.1285)), different);
+    assert_eq!(right(|foot| foot.half_extents.y *= 0.8), different);
+    let elsewhere = [("W0417", "feet.right.centre".to_owned())];
+    assert_eq!(right(|foot| foot.centre.y += 0.02), elsewhere);
+    assert_eq!(right(|foot| foot.centre.x -= 0.03), elsewhere);
+    assert_eq!(right(|foot| foot.centre.x += 0.004), []);
+    // Both soles may lie outward, and the fix is the mirror image.
+    let outward = |robot: &mut Robot| (robot.feet[0].centre.y, robot.feet[1].centre.y) = (0.02, -0.02);
+    assert_eq!(found(outward), []);
+    let mut inward = robot("tocabi");
+    (inward.feet[0].centre.y, inward.feet[1].centre.y) = (0.02, 0.02);
+    let issue = issues(all(&inward)).into_iter().find(|issue| issue.code == "W0417").expect("they differ");
+    assert!(
+        issue.help.starts_with("write `centre = [\"0.03 m\", \"-0.02 m\", \"-0.145 m\"]`"),
+        "{}",
+        issue.help
+    );
 }
 
 #[test]
