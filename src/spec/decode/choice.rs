@@ -85,6 +85,29 @@ pub fn describe(ty: &Ty) -> String {
     }
 }
 
+/// The form of a value of a type, for lines to fill in. It is no valid value, so that a pasted line is a mistake
+/// and not a robot or an experiment that nobody meant.
+pub fn blank(ty: &Ty) -> String {
+    match ty {
+        Ty::Flag => "<true or false>".to_owned(),
+        Ty::Count | Ty::Number => "<number>".to_owned(),
+        Ty::Quantity(dimension) | Ty::Sampler(dimension) if dimension.unit().is_empty() => {
+            "<number>".to_owned()
+        }
+        Ty::Quantity(dimension) | Ty::Sampler(dimension) => format!("\"<number> {}\"", dimension.unit()),
+        Ty::Ratio(_) => "\"<number> %\"".to_owned(),
+        Ty::Text => "<\"name\">".to_owned(),
+        Ty::Choice(words) => format!("\"<{}>\"", words.join(" | ")),
+        Ty::List(Ty::Quantity(dimension)) if *dimension == crate::quantity::Dimension::LENGTH => {
+            r#"["<x> m", "<y> m", "<z> m"]"#.to_owned()
+        }
+        Ty::List(item) => format!("[{}, ...]", blank(item)),
+        Ty::Table(_) | Ty::Named(_) | Ty::Terms(_) => "{ ... }".to_owned(),
+        Ty::Kind(_) => "{ kind = \"<kind>\" }".to_owned(),
+        Ty::OneOf(types) => types.first().map_or_else(String::new, blank),
+    }
+}
+
 /// A value of a type, as TOML, for advice.
 pub fn example(ty: &Ty) -> String {
     match ty {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::choice::{describe, example};
+use super::choice::{blank, describe};
 use super::{Decoder, Lack, Registry};
 use crate::diag::{Diagnostic, MOST_OF_A_CODE, Span};
 use crate::spec::marks::below;
@@ -310,7 +310,7 @@ fn whole(place: &Place<'_>) -> String {
 /// Advice with a line for each missing key. A parent's value, even of another kind, is the best guess.
 fn lines_to_add(params: &[&Param], map: &Map, place: &Place<'_>) -> String {
     let value = |param: &Param| {
-        map.replaced.get(param.name).map_or_else(|| example(&param.ty), |(_, text)| text.clone())
+        map.replaced.get(param.name).map_or_else(|| blank(&param.ty), |(_, text)| text.clone())
     };
     let lines: Vec<String> =
         params.iter().map(|param| format!("{} = {}", param.name, value(param))).collect();
@@ -323,8 +323,8 @@ fn lines_to_add(params: &[&Param], map: &Map, place: &Place<'_>) -> String {
         return format!("add {} between the braces", listed(lines.iter().map(String::as_str)));
     }
     match lines.as_slice() {
-        [line] => format!("add a line such as `{line}`"),
-        _ => format!("add lines such as {}", listed(lines.iter().map(String::as_str))),
+        [line] => format!("add the line `{line}`"),
+        _ => format!("add the lines {}", listed(lines.iter().map(String::as_str))),
     }
 }
 

@@ -302,3 +302,14 @@ fn a_kind_chooses_the_keys() {
     assert_eq!(of_kind("std = 1"), Err(vec![("E0101", None)]));
     assert_eq!(of_kind("kind = 3"), Err(vec![("E0103", None)]));
 }
+
+#[test]
+fn a_line_to_fill_in_is_no_valid_value() {
+    for param in PARAMS {
+        let rate = if param.name == "rate" { "" } else { "rate = \"1 Hz\"\n" };
+        let text = format!("{rate}{} = {}\n", param.name, super::choice::blank(&param.ty));
+        assert!(decoded(&text).is_err(), "{text}");
+    }
+    let found = decoded("std = \"1 %\"").expect_err("the rate is missing");
+    assert_eq!(found[0].help, ["add the line `rate = \"<number> Hz\"`"]);
+}
