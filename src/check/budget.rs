@@ -1,9 +1,14 @@
-//! E0507, W0508 and W0522 between keys of the learner: batches divide the rollout, the actor is trained after
-//! the critic's warm-up, and an early stop is after the first update and before the end.
+//! E0507, W0508, W0522 and W0702 between keys of the learner: batches divide the rollout, the actor is trained
+//! after the critic's warm-up, an early stop is after the first update and before the end, and whole updates
+//! keep to the budget.
 
-use super::Subject;
+use std::collections::BTreeMap;
+
+use super::{CheckedArm, Subject};
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::learn::Ppo;
+use crate::kinds::learn::ppo::in_whole_updates;
+use crate::spec::Section;
 use crate::syntax::Layer;
 
 /// `learn.environments` divides `learn.rollout`, and a minibatch is at most one rollout.
@@ -121,6 +126,71 @@ pub fn the_stop_comes_before_the_end(subject: &Subject, sink: &mut Sink) {
     sink.emit(diagnostic.help("remove `stop_at`, or write a number below `learn.samples`"));
 }
 
+/// Factor between budget and whole updates from which a training is reported.
+const ROUNDED: f64 = 1.2;
+/// The same between the arms of a suite.
+const APART: f64 = 1.02;
+
+/// Whole updates do not exceed the budget by much.
+pub fn whole_updates_keep_to_the_budget(subject: &Subject, sink: &mut Sink) {
+    let (Some(samples), Some(rollout)) = (subject.at(Ppo::samples), subject.at(Ppo::rollout)) else { return };
+    let rollout = rollout as u64;
+    let whole = in_whole_updates(samples, rollout);
+    let warm_up = subject.at(Ppo::warm_up).unwrap_or(0);
+    let stops = subject.at(Ppo::stop_at).is_some_and(|stop| stop < samples);
+    // A training without an update of the actor is W0508, an early stop W0522.
+    if stops || whole / rollout.max(1) <= warm_up || whole as f64 <= ROUNDED * samples as f64 {
+        return;
+    }
+    let message = format!("the training takes {whole} samples, not {samples}: updates are whole");
+    let mut diagnostic = Diagnostic::warning("W0702", message);
+    if let Some(place) = subject.place(&Ppo::samples.path()) {
+        diagnostic = diagnostic.at(place, "");
+    }
+    if let Some(mark) = subject.marks.get(&Ppo::rollout.path()).filter(|mark| mark.layer != Layer::Default) {
+        diagnostic = diagnostic.note(mark.value, "samples per update");
+    }
+    let diagnostic =
+        diagnostic.help(format!("write `learn.samples = {whole}`, or a smaller `learn.rollout`"));
+    sink.emit(subject.edited(&Ppo::samples.path(), whole.to_string(), diagnostic));
+}
+
+/// Arms of one budget take the same number of samples, whatever their rollouts.
+pub fn arms_take_equal_samples(arms: &[CheckedArm], sink: &mut Sink) {
+    let mut budgets: BTreeMap<u64, Vec<(u64, &CheckedArm)>> = BTreeMap::new();
+    for arm in arms {
+        let fields = Section::new(&arm.arm.experiment.table);
+        let (Some(samples), Some(rollout)) = (fields.at(Ppo::samples), fields.at(Ppo::rollout)) else {
+            continue;
+        };
+        let samples = fields.at(Ppo::stop_at).map_or(samples, |stop| stop.min(samples));
+        budgets.entry(samples).or_default().push((in_whole_updates(samples, rollout as u64), arm));
+    }
+    for (samples, arms) in budgets {
+        let taken = || arms.iter().map(|(taken, _)| *taken);
+        let (Some(fewest), Some(most)) = (taken().min(), taken().max()) else { continue };
+        if most as f64 <= APART * fewest as f64 {
+            continue;
+        }
+        let mut diagnostic = Diagnostic::warning(
+            "W0702",
+            format!(
+                "arms with the budget {samples} take between {fewest} and {most} samples: updates are whole, and \
+                 their rollouts differ"
+            ),
+        );
+        let largest = arms.iter().find(|(taken, _)| *taken == most);
+        let mark = largest.and_then(|(_, arm)| arm.arm.experiment.marks.get(&Ppo::rollout.path()));
+        if let Some(mark) = mark {
+            diagnostic = diagnostic.at(mark.value, format!("samples per update: {most} in all"));
+        }
+        if arms.iter().any(|(_, arm)| arm.arm.experiment.allow.contains_key("W0702")) {
+            continue;
+        }
+        sink.emit(diagnostic.help("write a `learn.samples` that every rollout divides"));
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::subject::sample::found;
@@ -192,5 +262,14 @@ mod tests {
     fn a_minibatch_is_a_part_of_a_rollout() {
         let text = "[learn]\nrollout = 512\nminibatch = 1024\nenvironments = 8";
         assert_eq!(found(batches_divide_the_rollout, text, None).len(), 1);
+    }
+
+    #[test]
+    fn a_training_that_a_whole_update_makes_much_longer_is_told() {
+        let spec = |samples: u32| format!("[learn]\nrollout = 16384\nsamples = {samples}");
+        let told = |samples| found(whole_updates_keep_to_the_budget, &spec(samples), None).len();
+        assert_eq!([0, 1000, 16_384, 17_000, 200_000, 4_000_000].map(told), [0, 1, 0, 1, 0, 0]);
+        let found = found(whole_updates_keep_to_the_budget, &spec(17_000), None);
+        assert_eq!(found[0].message, "the training takes 32768 samples, not 17000: updates are whole");
     }
 }

@@ -37,6 +37,21 @@ pub fn show_what_was_replaced(diagnostic: &mut Diagnostic, experiment: &Experime
     }
 }
 
+/// An edit belongs into the spec that is checked: the files of its parents are shared.
+pub fn edit_own_file(diagnostic: &mut Diagnostic, marks: &Marks, own: SourceId) {
+    let Some(fix) = diagnostic.fix.as_ref().filter(|fix| fix.span.source != own) else { return };
+    let inherited =
+        |mark: &Mark| mark.value == fix.span && matches!(mark.layer, Layer::File | Layer::Profile);
+    let Some((path, _)) = marks.by_path.iter().find(|(_, mark)| inherited(mark)) else { return };
+    let line = format!("`{path} = {}`", fix.replacement);
+    diagnostic.fix = None;
+    if !diagnostic.help.iter().any(|help| help.contains(&line)) {
+        diagnostic
+            .help
+            .push(format!("write {line} in this spec: the value is that of a parent, which others share"));
+    }
+}
+
 /// The innermost value that contains a place.
 fn owner(place: Span, marks: &Marks) -> Option<(&String, &Mark)> {
     let around =
@@ -74,6 +89,20 @@ mod tests {
                 && diagnostic.labels.iter().filter(|label| label.primary).count() == 1
         );
         diagnostic.labels.iter().map(|label| label.span).collect()
+    }
+
+    #[test]
+    fn an_edit_of_a_parents_value_becomes_a_line_for_the_spec_itself() {
+        let (parent, own) = (span(1, 0), span(0, 40));
+        let marks = marks(&[("action.damping", parent, Layer::File), ("action.std", own, Layer::File)]);
+        let edited = |place: Span| {
+            let mut diagnostic = Diagnostic::warning("W0512", "").at(place, "").fix(place, "\"30 %\"");
+            edit_own_file(&mut diagnostic, &marks, SourceId(0));
+            diagnostic
+        };
+        assert!(edited(own).fix.is_some() && edited(own).help.is_empty());
+        let line = "write `action.damping = \"30 %\"` in this spec: the value is that of a parent, which others share";
+        assert_eq!((edited(parent).fix, edited(parent).help), (None, vec![line.to_owned()]));
     }
 
     #[test]

@@ -7,7 +7,8 @@ use super::baseline::{self, Naming};
 use super::checker::Checker;
 use super::reference::{OnDemand, Reference};
 use super::{
-    Subject, chain, check, corners, exports, height, issue, judging, parents, reference, seeds, terms,
+    Subject, chain, check, corners, exports, height, issue, judging, overridden, parents, reference, seeds,
+    simulated, terms,
 };
 use crate::diag::{Diagnostic, Severity, Sink, Sources, Span};
 use crate::kinds::motion;
@@ -88,7 +89,7 @@ impl Checker {
             Some(references.get(key.into(), motion.as_ref()?, robot.as_ref()?))
         };
         let parts = Parts { robot: robot.as_ref(), motion: motion.as_ref(), make: &mut make };
-        apply_rules((&experiment, &family), parts, &self.vocabulary, &mut sink);
+        apply_rules((&experiment, &family), parts, &self.vocabulary, &mut self.simulated, &mut sink);
         seeds::learning_and_evaluations_are_apart(&experiment, &mut sink);
         find_compared(&experiment, files, &mut sink);
         let (named, reach) = (&experiment.baselines, &experiment.reach);
@@ -136,11 +137,15 @@ pub(super) fn apply_rules(
     (experiment, family): (&Experiment, &Family),
     Parts { robot, motion: file, make }: Parts,
     vocabulary: &Vocabulary,
+    known: &mut simulated::Known,
     sink: &mut Sink,
 ) {
     let mut rules = Sink::default();
-    let subject = Subject { fields: &experiment.table, marks: &experiment.marks, robot };
+    let simulated = robot.map(|robot| stated::loaded(robot, &experiment.table));
+    let subject =
+        Subject { fields: &experiment.table, marks: &experiment.marks, robot: simulated.as_deref() };
     check(&subject, &mut rules);
+    simulated::robots_stay_usable(&subject, robot, known, &mut rules);
     terms::some_are_switched_on(&subject, experiment, &mut rules);
     let period = file.and_then(|file| motion::period(Section::new(file)));
     judging::evaluations_are_long_enough(&subject, period, &mut rules);
@@ -156,8 +161,13 @@ pub(super) fn apply_rules(
         .diagnostics
         .iter_mut()
         .for_each(|found| chain::blame_the_last_writer(found, &experiment.marks, &files));
+    rules
+        .diagnostics
+        .iter_mut()
+        .for_each(|found| chain::edit_own_file(found, &experiment.marks, experiment.source));
     sink.diagnostics.append(&mut rules.diagnostics);
     parents::lost_keys(experiment, family, vocabulary, sink);
+    overridden::keys_are_read(&subject, experiment, sink);
 }
 
 /// Shows replaced values, sorts the diagnostics, drops those that the spec allows, and turns denied warnings

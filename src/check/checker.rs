@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::reference::References;
+use super::simulated::Known;
 use crate::kinds::vocabulary::vocabulary;
 use crate::robot::Robot;
 use crate::spec::{Gathered, LoadOptions, Loaded, Vocabulary};
@@ -19,6 +20,7 @@ pub struct Checker {
     pub(super) specs: Option<Specs>,
     pub(super) robots: BTreeMap<File, Robot>,
     pub(super) references: References<(File, File)>,
+    pub(super) simulated: Known,
 }
 
 /// Specs read so far.
@@ -39,6 +41,7 @@ impl Default for Checker {
             specs: None,
             robots: BTreeMap::new(),
             references: References::default(),
+            simulated: Known::default(),
         }
     }
 }

@@ -22,17 +22,21 @@ mod gains;
 mod height;
 mod judging;
 mod limits;
+mod negligible;
 mod observation;
+mod overridden;
 mod parents;
 mod phase;
 mod rates;
 mod reference;
 mod robots;
 mod scales;
+mod scheduled;
 mod seeds;
 mod selectors;
 mod servo;
 mod signals;
+mod simulated;
 mod softness;
 mod steps;
 mod subject;
@@ -59,6 +63,7 @@ pub fn check(subject: &Subject, sink: &mut Sink) {
 const RULES: &[fn(&Subject, &mut Sink)] = &[
     rates::rates_divide_the_physics_rate,
     steps::times_are_whole_steps,
+    scheduled::events_are_within_the_episode,
     delay::delays_fit_the_history,
     signals::terms_find_their_signals,
     selectors::selectors_match,
@@ -74,6 +79,7 @@ const RULES: &[fn(&Subject, &mut Sink)] = &[
     budget::the_actor_has_its_turn,
     budget::the_stop_comes_after_an_update,
     budget::the_stop_comes_before_the_end,
+    budget::whole_updates_keep_to_the_budget,
     device::devices_suit_the_backend,
     limits::exploration_stays_within_limits,
     gains::servos_move_their_joints,
@@ -84,4 +90,5 @@ const RULES: &[fn(&Subject, &mut Sink)] = &[
     scales::scales_are_moderate,
     contact_time::contacts_are_slower_than_steps,
     softness::soft_contacts_are_mujocos,
+    negligible::values_have_an_effect,
 ];

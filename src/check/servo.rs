@@ -36,7 +36,9 @@ pub fn servos_bear_their_delay(subject: &Subject, sink: &mut Sink) {
         1 => " (and of one more joint)".to_owned(),
         others => format!(" (and of {others} more joints)"),
     };
-    let message = format!("the servo of `{}`{also} is unstable at the longest delay", worst.joint.name);
+    let undamped = shares.1 * worst.joint.damping_gain == 0.0;
+    let why = if undamped { "has no damping and is unstable" } else { "is unstable" };
+    let message = format!("the servo of `{}`{also} {why} at the longest delay", worst.joint.name);
     let reason = format!(
         "K_d = {} N m s/rad, {} late, on {} kg m^2 with the leg in the air: {:.0} Hz",
         short(shares.1 * worst.joint.damping_gain),
@@ -64,16 +66,21 @@ pub fn servos_bear_their_delay(subject: &Subject, sink: &mut Sink) {
 }
 
 /// The largest damping below that of the spec, in shares of the robot's own, that gives every joint
-/// [`MARGIN`], or else the one with the largest margin; and the phase margin in degrees. `None` if no damping
-/// makes the servo stable.
+/// [`MARGIN`], or else the one with the largest margin; and the phase margin in degrees. If none below it makes
+/// the servo stable, those above it are tried, up to twice the robot's own. `None` if no damping does.
 fn stable(loops: &[Loop], (stiffness, damping): (f64, f64), lag: f64) -> Option<(f64, f64)> {
     let least = |share: f64| {
         loops.iter().map(|servo| servo.margin((stiffness, share), lag)).fold(f64::INFINITY, f64::min)
     };
-    let smaller = (1..100).rev().map(|percent| damping * f64::from(percent) / 100.0);
-    let best =
-        smaller.map(|share| (share, least(share).min(MARGIN))).reduce(|a, b| if b.1 > a.1 { b } else { a });
-    best.filter(|(_, margin)| *margin > 0.0).map(|(share, margin)| (share, margin.to_degrees().round()))
+    let best = |shares: &mut dyn Iterator<Item = f64>| {
+        let margins = shares.map(|share| (share, least(share).min(MARGIN)));
+        margins.reduce(|a, b| if b.1 > a.1 { b } else { a }).filter(|(_, margin)| *margin > 0.0)
+    };
+    let smaller = || best(&mut (1..100).rev().map(|percent| damping * f64::from(percent) / 100.0));
+    let larger =
+        || best(&mut (1..=200).map(|percent| f64::from(percent) / 100.0).filter(|share| *share > damping));
+    let found = if damping > 0.0 { smaller().or_else(larger) } else { larger() };
+    found.map(|(share, margin)| (share, margin.to_degrees().round()))
 }
 
 /// The longest time in s between the servo's reading and its torque: the delay, half of the servo's hold
@@ -199,5 +206,17 @@ mod tests {
         let found = said(4.0, 0.02);
         assert_eq!(found.iter().map(|found| found.code).collect::<Vec<_>>(), ["W0512"]);
         assert!(found[0].message.ends_with("is unstable at the longest delay"), "{}", found[0].message);
+    }
+
+    #[test]
+    fn a_servo_without_damping_is_told_so_and_some_damping_is_advised() {
+        let mut robot = biped();
+        robot.links.iter_mut().for_each(|link| link.joint.damping_gain = 100.0);
+        let text = "physics = { rate = 500 }\naction = { rate = 125, kind = \"position\", stiffness = 4.0, \
+                    damping = 0.0, std = 0.1, servo_rate = 500, delay = 0.002 }";
+        let found = found(servos_bear_their_delay, text, Some(&robot));
+        assert_eq!(found.iter().map(|found| found.code).collect::<Vec<_>>(), ["W0512"]);
+        assert!(found[0].message.contains("has no damping and is unstable"), "{}", found[0].message);
+        assert!(found[0].help[0].starts_with("with `damping = \""), "{:?}", found[0].help);
     }
 }

@@ -10,7 +10,8 @@ use super::checked::{CheckedArm, Parts, apply_rules, finish, read_motion, read_r
 use super::checker::{Checker, File};
 use super::claims::{self, ArmScope, Scope};
 use super::reference::{Reference, References};
-use super::{arms, figures, seeds};
+use super::simulated::Known;
+use super::{arms, budget, figures, seeds};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::robot::{Robot, stated};
 use crate::spec::claim::Claim;
@@ -62,7 +63,8 @@ impl Checker {
     /// Loads and checks a suite. Cached robots are not read again.
     pub fn suite(&mut self, files: &dyn Files, path: &Path, options: &LoadOptions) -> CheckedSuite {
         let loaded = load(files, path, options, &self.vocabulary);
-        let mut checked = examined(files, options, loaded, (&self.vocabulary, &mut self.robots));
+        let mut checked =
+            examined(files, options, loaded, (&self.vocabulary, &mut self.robots, &mut self.simulated));
         let CheckedSuite { suite: Some(suite), arms, sink, .. } = &mut checked else { return checked };
         let Some(first) = arms.first() else { return checked };
         let tasks = arms.iter().filter_map(|arm| baseline::task(&arm.arm.experiment)).collect();
@@ -78,7 +80,7 @@ fn examined(
     files: &dyn Files,
     options: &LoadOptions,
     loaded: LoadedSuite,
-    (vocabulary, known): (&Vocabulary, &mut BTreeMap<File, Robot>),
+    (vocabulary, known, simulated): (&Vocabulary, &mut BTreeMap<File, Robot>, &mut Known),
 ) -> CheckedSuite {
     let LoadedSuite { sources, mut sink, suite, arms } = loaded;
     let mut shelf = Shelf::new(files, &sources, known);
@@ -93,7 +95,7 @@ fn examined(
             experiment.motion.as_ref().and_then(|file| shelf.motion(file, &experiment.reach, &mut own));
         let mut make = || shelf.reference(experiment, robot.as_deref(), motion.as_deref());
         let parts = Parts { robot: robot.as_deref(), motion: motion.as_deref(), make: &mut make };
-        apply_rules((experiment, &family), parts, vocabulary, &mut own);
+        apply_rules((experiment, &family), parts, vocabulary, simulated, &mut own);
         if let Some(suite) = &suite {
             match suite.sweep.seeds {
                 Some(_) => seeds::sweep_and_evaluations_are_apart(&suite.sweep, experiment, &mut own),
@@ -109,6 +111,7 @@ fn examined(
             arms::keep_certain(&checked, &mut found);
         }
         arms::gather(suite, &checked, found, &mut sink);
+        budget::arms_take_equal_samples(&checked, &mut sink);
     }
     let claims = match &suite {
         Some(suite) if !sink.has_errors() => {

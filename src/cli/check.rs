@@ -133,7 +133,9 @@ impl Examined {
     fn suite(file: &Path, options: &LoadOptions, checker: &mut Checker) -> Self {
         let mut checked = checker.suite(&Disk, file, options);
         let same = same_results(&checked, file, options, checker);
+        let idle = suite::idle_axes(&checked);
         checked.sink.diagnostics.extend(same);
+        checked.sink.diagnostics.extend(idle);
         let template = checked.sound().map(|(suite, arms)| Template {
             name: Section::new(&suite.report).value(Report::template).unwrap_or_default(),
             project: plan::project(file, arms.first().and_then(|arm| arm.arm.experiment.root.as_deref())),

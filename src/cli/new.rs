@@ -128,7 +128,7 @@ fn write(options: &Options, global: &Global) -> Result<String, Refusal> {
     known("robot", &options.robot, robots.iter().map(String::as_str).collect())?;
     known("task", &options.task, tasks())?;
     known("action", &options.action, actions())?;
-    let build = build_of(&options.robot, folder, global)?;
+    let build = build_of(&options.robot, folder)?;
     let Options { robot, task, action, .. } = options;
     let wish = Wish { name, robot: robot.clone(), task: task.clone(), action: action.clone(), build };
     let base = base_of(folder, &wish);
@@ -260,7 +260,7 @@ fn robots_of(folder: &Path) -> Vec<String> {
 /// How the robot is built; `None` for built-in robots. The spec is adapted to the robot's weight and
 /// strength, so its file must be valid. A file of the project takes precedence over a built-in robot of the
 /// same name.
-fn build_of(name: &str, folder: &Path, global: &Global) -> Result<Option<Build>, Refusal> {
+fn build_of(name: &str, folder: &Path) -> Result<Option<Build>, Refusal> {
     let root = folder::root(&Disk, &folder.join("new.toml")).unwrap_or_else(|| folder.to_owned());
     let path = root.join("robots").join(format!("{name}.toml"));
     let shipped = robots().contains(&name);
@@ -274,10 +274,8 @@ fn build_of(name: &str, folder: &Path, global: &Global) -> Result<Option<Build>,
         robot::load(name, &sources, source, &mut sink)
     });
     match robot {
-        Some(robot) => {
-            specs::tell(&[Findings::of(sources, sink.diagnostics).in_file(&path)], global);
-            Ok((!shipped).then(|| Build::of(&robot)))
-        }
+        // The check of the written spec prints the warnings.
+        Some(robot) => Ok((!shipped).then(|| Build::of(&robot))),
         None => Err(unsound(&path, &sink)),
     }
 }

@@ -3,14 +3,16 @@
 
 mod alike;
 mod arm;
+mod budgets;
 mod defaults;
 pub mod digests;
 mod draft;
 mod error;
 pub mod fingerprint;
 pub mod graph;
+mod idle_axes;
 pub mod lower;
-mod neutral;
+pub mod neutral;
 pub mod render;
 pub mod revision;
 pub mod same_results;
@@ -28,6 +30,7 @@ pub use draft::{TUNED_ENV, Training, replaced};
 pub use error::PlanError;
 pub use fingerprint::{Fingerprint, Recipe};
 pub use graph::{ArmRecord, Edge, Plan, Stage, User};
+pub use idle_axes::idle_axes;
 pub use lower::{ReportSource, ReportedSuite, lower};
 pub use saved::SavedError;
 pub use selection::Selection;

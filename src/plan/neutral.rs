@@ -4,8 +4,8 @@
 use serde_json::Value as Json;
 
 use super::defaults;
-use crate::spec::Table;
 use crate::spec::value::canonical_table;
+use crate::spec::{Table, Value};
 
 /// Keys that affect no result: section, key.
 const IDLE: &[(&str, &str)] = &[("learn", "checkpoint_every")];
@@ -42,6 +42,14 @@ pub fn stripped(fields: &Json) -> Json {
     fields
 }
 
+/// Removes from the fields of a spec what another key overrides. Recipes keep it, so this compares specs only.
+pub fn remove_overridden(fields: &mut Table) {
+    let Some(Value::Table(learn)) = fields.get_mut("learn") else { return };
+    if learn.contains_key("discount_time") {
+        learn.remove("gamma");
+    }
+}
+
 /// Removes an early stop without effect: one at or after the end, and that of the first training from a
 /// fine-tuning.
 fn strip_idle_stop(fields: &mut Json) {
@@ -57,7 +65,6 @@ fn strip_idle_stop(fields: &mut Json) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::Value;
 
     fn learn<const N: usize>(entries: [(&str, Value); N]) -> Json {
         let learn = entries.map(|(key, value)| (key.to_owned(), value));

@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 use serde_json::json;
 
+use super::budgets;
 use super::draft::TUNED_ENV;
 use super::fingerprint::Fingerprint;
 use super::graph::{Plan, Stage};
@@ -57,6 +58,7 @@ pub fn text(plan: &Plan, statuses: &Statuses) -> String {
         }
         out.push('\n');
     }
+    out += &budgets::text(plan);
     out += &one_line(&summary(plan, statuses));
     out
 }

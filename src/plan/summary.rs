@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
+use super::budgets;
 use super::graph::{Plan, Stage};
 use super::render::{Statuses, summary};
 use super::suite::SuiteRecord;
@@ -83,7 +84,9 @@ pub fn text(plan: &Plan, suite: &SuiteRecord, statuses: &Statuses) -> String {
         out += &one_line(row.trim_end());
     }
     out += &by_point(plan, suite, statuses);
-    out += &one_line(&format!("\n{}; `--all` lists them", summary(plan, statuses)));
+    out.push('\n');
+    out += &budgets::text(plan);
+    out += &one_line(&format!("{}; `--all` lists them", summary(plan, statuses)));
     out
 }
 

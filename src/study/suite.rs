@@ -1,5 +1,6 @@
 //! From a suite's file to its plan: every arm is checked and lowered; what arms share is stored once.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -7,13 +8,14 @@ use super::findings::{Findings, Log};
 use super::plan::{self, Reported};
 use super::{Refusal, Study};
 use crate::check::{self, CheckedArm, CheckedSuite};
-use crate::diag::{Diagnostic, Sources};
+use crate::diag::{Diagnostic, Sources, Span};
 use crate::kinds::learn::Ppo;
 use crate::plan::{
-    Arm, AxisRecord, PlanError, ReportedSuite, Request, Runs, Shared, SuiteRecord, lower, same_results,
+    self as graph, Arm, AxisRecord, PlanError, ReportedSuite, Request, Runs, Shared, SuiteRecord, lower,
+    neutral, same_results,
 };
 use crate::robot::Robot;
-use crate::spec::suite::{ClaimPolicy, Suite};
+use crate::spec::suite::{Axis, ClaimPolicy, Suite};
 use crate::spec::{Claim, LoadOptions, Section, Table, Value};
 
 /// Loads and checks a suite; `Err` if it has errors.
@@ -49,6 +51,7 @@ pub fn read(path: &Path, options: &LoadOptions, log: &mut Log) -> Result<Study, 
             format!("the suite has profiles, under which they may differ: for example `--profile {first}`");
         same.iter_mut().for_each(|found| found.help.push(help.clone()));
     }
+    same.extend(idle_axes(&checked));
     log.add(Findings::of(checked.sources.clone(), same).in_file(path))?;
     Ok(Study { profiles: suite.profiles.clone(), ..planned })
 }
@@ -60,6 +63,63 @@ pub fn same_results(checked: &CheckedSuite) -> Vec<Diagnostic> {
     };
     let plan = lower(&lowered(suite, arms, checked), None);
     plan.map_or_else(|_| Vec::new(), |plan| same_results::claims(&plan, &checked.claims))
+}
+
+/// W0701: axes that change no stage of any arm, although another key is not what overrides them (W0524).
+pub fn idle_axes(checked: &CheckedSuite) -> Vec<Diagnostic> {
+    let Some((suite, arms)) = checked.sound().filter(|_| checked.arms.len() > 1) else { return Vec::new() };
+    let told = checked.sink.diagnostics.iter().filter(|found| found.code == "W0524");
+    let told: Vec<Span> = told.flat_map(|found| &found.labels).map(|label| label.span).collect();
+    let is_told = |axis: &Axis| {
+        let mut places = axis.points.iter().map(|point| point.place);
+        places.any(|place| told.iter().any(|span| span.source == place.source && span.start == place.start))
+    };
+    let sweep = &suite.sweep;
+    let alone = (0..sweep.axes.len()).filter(|axis| !sweep.zips.iter().any(|zip| zip.contains(axis)));
+    let groups: Vec<Vec<usize>> = alone.map(|axis| vec![axis]).chain(sweep.zips.iter().cloned()).collect();
+    let names = groups.iter().map(|group| group.iter().map(|axis| sweep.axes[*axis].name.clone()).collect());
+    let names: Vec<Vec<String>> = names.collect();
+    let idle_of = |arms: &[CheckedArm], names: &[Vec<String>]| {
+        let mut lowered = lowered(suite, arms, checked);
+        for arm in &mut lowered {
+            neutral::remove_overridden(&mut arm.fields);
+            arm.runs.iter_mut().for_each(|runs| runs.seeds.truncate(1));
+        }
+        lower(&lowered, None).map_or_else(|_| Vec::new(), |plan| graph::idle_axes(&plan, names))
+    };
+    // Nearly every axis has two arms that differ, and lowering all arms takes long.
+    let may_be_idle = |names: &Vec<String>| {
+        let pair = first_pair(arms, names);
+        pair.is_some_and(|pair| !idle_of(&pair, std::slice::from_ref(names)).is_empty())
+    };
+    let (groups, names): (Vec<_>, Vec<_>) =
+        groups.into_iter().zip(names).filter(|(_, names)| may_be_idle(names)).unzip();
+    if groups.is_empty() {
+        return Vec::new();
+    }
+    let idle = idle_of(arms, &names).into_iter().map(|index| &groups[index]);
+    let idle = idle.filter(|group| !group.iter().any(|axis| is_told(&sweep.axes[*axis])));
+    idle.filter_map(|group| {
+        let axis = &sweep.axes[group[0]];
+        let message =
+            format!("the axis `{}` has no effect: all its points are the same experiment", axis.name);
+        let allowed = arms.first().is_some_and(|arm| arm.arm.experiment.allow.contains_key("W0701"));
+        let help = "vary a key that a stage reads and that no other key overrides, or remove the axis";
+        let warning = Diagnostic::warning("W0701", message).at(axis.place, "no stage differs").help(help);
+        (!allowed).then_some(warning)
+    })
+    .collect()
+}
+
+/// The first and the last of the first arms that differ from each other in these axes only.
+fn first_pair(arms: &[CheckedArm], axes: &[String]) -> Option<[CheckedArm; 2]> {
+    let mut rows: BTreeMap<Vec<&(String, String)>, (usize, usize)> = BTreeMap::new();
+    for (index, arm) in arms.iter().enumerate() {
+        let others = arm.arm.points.iter().filter(|(axis, _)| !axes.contains(axis)).collect();
+        rows.entry(others).or_insert((index, index)).1 = index;
+    }
+    let (first, last) = rows.into_values().filter(|(first, last)| first < last).min()?;
+    Some([first, last].map(|index| arms[index].clone()))
 }
 
 /// Axes and seeds, for the plan and the report.

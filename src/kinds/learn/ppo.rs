@@ -301,3 +301,20 @@ kind! {
         device: Option<Device>,
     }
 }
+
+/// The samples of a training that takes whole updates of `rollout` samples until it has `samples`.
+pub fn in_whole_updates(samples: u64, rollout: u64) -> u64 {
+    let rollout = rollout.max(1);
+    samples.div_ceil(rollout).saturating_mul(rollout)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_whole_updates;
+
+    #[test]
+    fn a_training_ends_after_a_whole_update() {
+        assert_eq!([0, 1, 8192, 8193].map(|samples| in_whole_updates(samples, 8192)), [0, 8192, 8192, 16384]);
+        assert_eq!(in_whole_updates(u64::MAX, 0), u64::MAX);
+    }
+}

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::{Group, groups, interval, tried};
 use crate::report::model::ReportInput;
 use crate::report::table::health::shown;
-use crate::report::table::setup::budget_samples;
+use crate::report::table::setup::{budget_samples, trained_samples};
 use crate::report::verdict::stands_still;
 use crate::report::wording::{count, number};
 use crate::report::{crossing, tasks};
@@ -120,6 +120,16 @@ fn budgets(groups: &[Group<'_>]) -> Vec<String> {
             count(*least),
             count(*most)
         ));
+    } else {
+        let taken = groups.iter().filter_map(|group| trained_samples(group.runs.first()?));
+        let (fewest, most) =
+            taken.fold((u64::MAX, 0), |(low, high), taken| (low.min(taken), high.max(taken)));
+        if fewest < most {
+            found.push(format!(
+                "Trainings end after whole updates, so the arms have between {fewest} and {most} samples: their \
+                 rollouts differ."
+            ));
+        }
     }
     found
 }

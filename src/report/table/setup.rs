@@ -3,6 +3,7 @@
 use super::{Cell, Table};
 use crate::escape::markdown::code;
 use crate::kinds::fine_tune;
+use crate::kinds::learn::ppo::in_whole_updates;
 use crate::kinds::randomize::Rows;
 use crate::kinds::task::Task;
 use crate::report::fields;
@@ -194,6 +195,20 @@ pub fn budget_of(fields: &Fields) -> Option<u64> {
     Some(first.saturating_add(count("fine_tune", "samples").unwrap_or(0)))
 }
 
+/// The total number of samples that the trainings of a spec take: each ends after a whole update.
+pub fn trained_samples(arm: &Arm) -> Option<u64> {
+    let rollout = samples(arm, "learn.rollout")?;
+    let first = samples(arm, "learn.samples")?;
+    let first = samples(arm, "learn.stop_at").map_or(first, |stop| first.min(stop));
+    let tuning = samples(arm, "fine_tune.samples").unwrap_or(0);
+    Some(
+        [first, tuning]
+            .map(|samples| in_whole_updates(samples, rollout))
+            .into_iter()
+            .fold(0, u64::saturating_add),
+    )
+}
+
 fn samples(arm: &Arm, path: &str) -> Option<u64> {
     match lookup(arm, path)? {
         Value::Count(samples) => Some(*samples),
@@ -201,18 +216,22 @@ fn samples(arm: &Arm, path: &str) -> Option<u64> {
     }
 }
 
-/// `4.0 M samples = 8.89 simulated hours, 1.0 M of them fine-tuning`.
+/// `4.0 M samples, 4005888 in whole updates of 8192 = 8.89 simulated hours, 1.0 M of them fine-tuning`.
 fn budget(arm: &Arm) -> Option<String> {
     let all = budget_samples(arm)?;
+    let taken = trained_samples(arm).unwrap_or(all);
     let hours = arm
         .control_rate()
-        .map_or(String::new(), |rate| format!(" = {} simulated hours", number(all as f64 / rate / 3600.0)));
+        .map_or(String::new(), |rate| format!(" = {} simulated hours", number(taken as f64 / rate / 3600.0)));
+    let whole = Some(taken).filter(|whole| *whole != all).zip(field(arm, "learn.rollout"));
+    let whole =
+        whole.map_or(String::new(), |(whole, rollout)| format!(", {whole} in whole updates of {rollout}"));
     let schedule = samples(arm, "learn.stop_at").and(learning_samples(arm)).filter(|whole| *whole > all);
     let schedule =
         schedule.map_or(String::new(), |whole| format!(", the first of a schedule of {}", count(whole)));
     let tuning = samples(arm, "fine_tune.samples")
         .map_or(String::new(), |samples| format!(", {} of them fine-tuning", count(samples)));
-    Some(format!("{} samples{hours}{schedule}{tuning}", count(all)))
+    Some(format!("{} samples{whole}{hours}{schedule}{tuning}", count(all)))
 }
 
 /// The kind of ground of the fine-tuning, if it differs from that of the first training.
