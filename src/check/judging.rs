@@ -3,7 +3,7 @@
 use super::Subject;
 use super::subject::duration;
 use crate::diag::{Diagnostic, Sink};
-use crate::kinds::deploy::Export;
+use crate::kinds::deploy::{Export, Transfer};
 use crate::kinds::evaluate::Setting;
 use crate::kinds::task::{Shortest, Walk};
 
@@ -17,8 +17,11 @@ pub fn evaluations_are_long_enough(subject: &Subject, period: Option<f64>, sink:
         if term.is::<Export>() {
             continue;
         }
-        let own = Setting::time_limit.below(&table);
-        let path = if subject.value(&own).is_some() { own } else { Walk::episode.path() };
+        // A transfer without a time limit has that of `evaluate.nominal`.
+        let nominal = term.is::<Transfer>().then(|| Setting::time_limit.below("evaluate.nominal"));
+        let own = [Some(Setting::time_limit.below(&table)), nominal].into_iter().flatten();
+        let path = own.chain([Walk::episode.path()]).find(|path| subject.value(path).is_some());
+        let path = path.unwrap_or_default();
         if subject.number(&path).is_none_or(|limit| shortest.is_reached_by(limit)) {
             continue;
         }
@@ -73,5 +76,8 @@ mod tests {
         assert_eq!(one, ["W0514 `evaluate.a` is too short to judge the task: 1 s"]);
         assert_eq!(told(&spec("0.2", "time_limit = 4.0"), Some(1.8)).len(), 1);
         assert_eq!(told(&spec("2.0", ""), None), none);
+        let nominal = spec("16.0", "time_limit = 1.0").replace("evaluate.a", "evaluate.nominal");
+        let both = "W0514 `evaluate.nominal`, `deploy.b` are too short to judge the task: 1 s";
+        assert_eq!(told(&nominal, None), [both]);
     }
 }

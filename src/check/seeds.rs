@@ -2,8 +2,8 @@
 //! that of the spec, or those of a sweep in its place.
 
 use crate::diag::{Diagnostic, Sink, Span};
-use crate::kinds::deploy::Deployment;
-use crate::kinds::evaluate::{Evaluation, Setting};
+use crate::kinds::deploy::{Deployment, Transfer};
+use crate::kinds::evaluate::{Evaluation, SEED, Setting};
 use crate::kinds::learn::Ppo;
 use crate::spec::Experiment;
 use crate::spec::suite::Sweep;
@@ -42,10 +42,14 @@ pub fn learning_and_evaluations_are_apart(experiment: &Experiment, sink: &mut Si
 /// The seeds of all evaluations and transfers.
 fn used(experiment: &Experiment) -> Vec<Used> {
     let mut found = Vec::new();
+    let has_nominal =
+        experiment.section(Evaluation::SECTION).and_then(|all| all.section("nominal")).is_some();
     for section in [Evaluation::SECTION, Deployment::SECTION] {
         for (name, term) in experiment.section(section).into_iter().flat_map(|terms| terms.sections()) {
             let table = format!("{section}.{name}");
-            found.extend(term.value(Setting::seed).map(|seed| Used { table, seed }));
+            // A transfer without a seed has that of `evaluate.nominal`, which is in the list itself.
+            let usual = (term.is::<Transfer>() && !has_nominal).then_some(SEED);
+            found.extend(term.value(Setting::seed).or(usual).map(|seed| Used { table, seed }));
         }
     }
     found

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::conditions::{Condition, conditions};
 use crate::env::{Blueprint, BlueprintError, Randomized};
 use crate::kinds::deploy::Transfer;
-use crate::kinds::evaluate::{Drawn, EPISODES, Evaluation};
+use crate::kinds::evaluate::{Drawn, EPISODES, Evaluation, SEED};
 use crate::spec::typed::Part;
 use crate::spec::{Section, Table};
 
@@ -39,7 +39,7 @@ impl Default for Protocol {
             perturbation: 0.01,
             noise: false,
             explore: false,
-            seed: 1000,
+            seed: SEED,
         }
     }
 }

@@ -21,6 +21,9 @@ section! {
 /// Default number of episodes.
 pub const EPISODES: u64 = 32;
 
+/// Default seed of the random streams of all episodes.
+pub const SEED: u64 = 1000;
+
 /// The number of episodes of a decoded `[evaluate.NAME]` table, or of a `[deploy.NAME]` table of kind
 /// `transfer`.
 pub fn episodes(section: Section) -> usize {
