@@ -6,6 +6,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::Subject;
+use super::scheduled::is_inherited;
 use super::subject::{duration, short};
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::evaluate::{Episodes, Evaluation, Speeds};
@@ -326,6 +327,7 @@ fn commands(said: &mut Said) {
             said.warn(&ramp_key, message, "write a ramp shorter than `every`");
         }
         Some(every) if every < episode => {}
+        _ if is_inherited(subject, &ramp_key, &Walk::episode.path()) => {}
         _ => {
             let message =
                 format!("`{ramp_key}` has no effect: an episode has one command, with which it starts");

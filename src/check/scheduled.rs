@@ -143,7 +143,7 @@ fn interval_of([first, last]: [f64; 2]) -> String {
 
 /// Whether the bound was written after the value, by a child or an assignment: an episode that is shortened for
 /// a trial leaves the rest of the spec as it is.
-fn is_inherited(subject: &Subject, value: &str, bound: &str) -> bool {
+pub(super) fn is_inherited(subject: &Subject, value: &str, bound: &str) -> bool {
     let (Some(value), Some(bound)) = (subject.marks.get(value), subject.marks.get(bound)) else {
         return false;
     };
