@@ -14,9 +14,10 @@ use regex::Regex;
 use specforge::diag::render::{Look, human};
 use specforge::diag::{Sink, Sources};
 use specforge::kinds::motion::{self, Frame};
+use specforge::robot::Proportions;
 use specforge::robot::import::{self, Fill, Folder, Origin, Selection};
 use specforge::robot::{self, Kinematics, Robot, Shape, Support, leg_length};
-use specforge::scaffold::{Build, Wish, alone};
+use specforge::scaffold::{Wish, alone};
 use specforge::stream::Stream;
 
 /// Largest difference of a figure.
@@ -197,7 +198,7 @@ fn new_specs(robot: &Robot) -> Vec<String> {
         robot: "copy".into(),
         task: task.into(),
         action: action.into(),
-        build: Some(Build::of(robot)),
+        build: Some(Proportions::of(robot)),
     };
     ["walk", "squat", "run"]
         .iter()
@@ -451,13 +452,13 @@ fn what_new_writes_does_not_depend_on_where_in_the_pelvis_the_origin_is() {
         let mut draft = stork(Sole::Box);
         draft.reframe(0, &Isometry3::translation(0.05, 0.0, up));
         let robot = sound(&draft, "urdf").robot;
-        (Build::of(&robot), robot.standing_height)
+        (Proportions::of(&robot), robot.standing_height)
     };
     let (plain, stands) = build(0.0);
     for up in [-0.1, 0.1] {
         let (moved, higher) = build(up);
         assert!((higher - stands - up).abs() < EXACT, "the origin stays");
-        let figures = |build: Build| {
+        let figures = |build: Proportions| {
             [build.stands, build.stiffness.unwrap(), build.damping.unwrap(), build.effort.unwrap()]
         };
         for (moved, plain) in figures(moved).into_iter().zip(figures(plain)) {

@@ -6,10 +6,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::checker::{Checker, Specs};
-use crate::diag::{Diagnostic, Severity, Sink};
+use super::relative;
+use crate::diag::{Diagnostic, Severity, Sink, Sources};
 use crate::escape;
 use crate::kinds::action::Action;
 use crate::kinds::task::Task;
+use crate::robot::stated;
 use crate::spec::suite::is_suite;
 use crate::spec::typed::InSection;
 use crate::spec::{Experiment, LoadOptions, Loaded, NamedSpec, Reach, Section, Table};
@@ -109,7 +111,7 @@ impl Checker {
                 let advice = "name a spec that extends it: a baseline needs all keys";
                 wrong(format!("the baseline `{shown}` is abstract"), advice)
             }
-            (None, Some(experiment)) => Ok(experiment.clone()),
+            (None, Some(experiment)) => Ok(self.for_its_robot(experiment.clone(), &loaded.sources)),
             (first, _) => {
                 let first = first.map_or(String::new(), |first| format!(": {}", first.message));
                 let advice =
@@ -117,6 +119,20 @@ impl Checker {
                 wrong(format!("the baseline `{shown}` has errors{first}"), &advice)
             }
         }
+    }
+
+    /// A baseline whose quantities relative to the robot are shares of its own robot's figures.
+    fn for_its_robot(&mut self, mut experiment: Experiment, sources: &Sources) -> Experiment {
+        let Some(file) = experiment.robot.clone().filter(|_| relative::any(&experiment.table)) else {
+            return experiment;
+        };
+        // Mistakes in the robot are reported by a check of the baseline itself.
+        let mut silent = Sink::default();
+        if let Some(mut robot) = self.robot(&file, &experiment, sources, &mut silent) {
+            stated::state(&mut robot, &experiment.table);
+            relative::resolve(&mut experiment, &robot, &mut silent);
+        }
+        experiment
     }
 
     /// Loads a baseline without profiles and assignments, or returns it if it was loaded before.

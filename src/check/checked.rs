@@ -7,8 +7,8 @@ use super::baseline::{self, Naming};
 use super::checker::Checker;
 use super::reference::{OnDemand, Reference};
 use super::{
-    Subject, chain, check, corners, exports, height, issue, judging, overridden, parents, reference, seeds,
-    simulated, terms,
+    Subject, chain, check, corners, exports, height, issue, judging, overridden, parents, reference,
+    relative, seeds, simulated, terms,
 };
 use crate::diag::{Diagnostic, Severity, Sink, Sources, Span};
 use crate::kinds::motion;
@@ -72,11 +72,12 @@ impl Checker {
     /// Loads and checks a spec.
     pub fn check(&mut self, files: &dyn Files, path: &Path, options: &LoadOptions) -> Checked {
         let Loaded { sources, mut sink, experiment, family } = self.load(files, path, options);
-        let Some(experiment) = experiment else { return Checked { sources, sink, ..Checked::default() } };
+        let Some(mut experiment) = experiment else { return Checked { sources, sink, ..Checked::default() } };
         let mut robot =
             experiment.robot.as_ref().and_then(|file| self.robot(file, &experiment, &sources, &mut sink));
         if let Some(robot) = &mut robot {
             stated::state(robot, &experiment.table);
+            relative::resolve(&mut experiment, robot, &mut sink);
         }
         let motion = experiment
             .motion
@@ -101,7 +102,7 @@ impl Checker {
     }
 
     /// The robot of a file, cached or read now.
-    fn robot(
+    pub(super) fn robot(
         &mut self,
         file: &Attachment,
         experiment: &Experiment,

@@ -29,6 +29,7 @@ mod parents;
 mod phase;
 mod rates;
 mod reference;
+mod relative;
 mod robots;
 mod scales;
 mod scheduled;

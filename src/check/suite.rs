@@ -11,7 +11,7 @@ use super::checker::{Checker, File};
 use super::claims::{self, ArmScope, Scope};
 use super::reference::{Reference, References};
 use super::simulated::Known;
-use super::{arms, budget, figures, seeds};
+use super::{arms, budget, figures, relative, seeds};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::robot::{Robot, stated};
 use crate::spec::claim::Claim;
@@ -85,12 +85,16 @@ fn examined(
     let LoadedSuite { sources, mut sink, suite, arms } = loaded;
     let mut shelf = Shelf::new(files, &sources, known);
     let (mut found, mut checked) = (Vec::new(), Vec::new());
-    for LoadedArm { arm, family, sink: mut own } in arms {
-        let experiment = &arm.experiment;
+    for LoadedArm { mut arm, family, sink: mut own } in arms {
+        let experiment = &mut arm.experiment;
         let mut robot = experiment.robot.as_ref().and_then(|file| shelf.robot(file, experiment, &mut own));
         if let Some(robot) = robot.as_mut().filter(|_| stated::any(&experiment.table)) {
             stated::state(Arc::make_mut(robot), &experiment.table);
         }
+        if let Some(robot) = &robot {
+            relative::resolve(experiment, robot, &mut own);
+        }
+        let experiment = &arm.experiment;
         let motion =
             experiment.motion.as_ref().and_then(|file| shelf.motion(file, &experiment.reach, &mut own));
         let mut make = || shelf.reference(experiment, robot.as_deref(), motion.as_deref());

@@ -9,9 +9,9 @@ use super::{Exit, Format, Global, output};
 use crate::check;
 use crate::diag::{Severity, Sink, Sources};
 use crate::escape::{self, shell};
-use crate::robot;
+use crate::robot::{self, Proportions};
 use crate::safe_fs;
-use crate::scaffold::{Build, Wish, actions, alone, child, robots, suite, tasks};
+use crate::scaffold::{Wish, actions, alone, child, robots, suite, tasks};
 use crate::spec::folder;
 use crate::spec::suggest::{listed, nearest};
 use crate::study::files::is_suite;
@@ -260,7 +260,7 @@ fn robots_of(folder: &Path) -> Vec<String> {
 /// How the robot is built; `None` for built-in robots. The spec is adapted to the robot's weight and
 /// strength, so its file must be valid. A file of the project takes precedence over a built-in robot of the
 /// same name.
-fn build_of(name: &str, folder: &Path) -> Result<Option<Build>, Refusal> {
+fn build_of(name: &str, folder: &Path) -> Result<Option<Proportions>, Refusal> {
     let root = folder::root(&Disk, &folder.join("new.toml")).unwrap_or_else(|| folder.to_owned());
     let path = root.join("robots").join(format!("{name}.toml"));
     let shipped = robots().contains(&name);
@@ -275,7 +275,7 @@ fn build_of(name: &str, folder: &Path) -> Result<Option<Build>, Refusal> {
     });
     match robot {
         // The check of the written spec prints the warnings.
-        Some(robot) => Ok((!shipped).then(|| Build::of(&robot))),
+        Some(robot) => Ok((!shipped).then(|| Proportions::of(&robot))),
         None => Err(unsound(&path, &sink)),
     }
 }

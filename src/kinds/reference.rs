@@ -4,7 +4,7 @@
 use std::fmt::Write;
 
 use crate::quantity::Dimension;
-use crate::spec::{Kind, Param, Presence, Ty};
+use crate::spec::{Kind, Param, Presence, Share, Ty};
 
 /// A registry: the kinds that are allowed in one place of a spec.
 pub struct Registry {
@@ -177,6 +177,14 @@ pub fn takes(param: &Param) -> String {
     }
 }
 
+/// A share, and the other quantity that its key takes.
+fn share_of(share: &Share) -> String {
+    let other = share
+        .measure
+        .map_or(String::new(), |measure| format!(", or {} (`{}`)", measure.name(), measure.unit()));
+    format!("a share of {} (`%`){other}", share.of)
+}
+
 /// Description of a type: `a length ("1 m")`.
 pub fn describe(ty: &Ty) -> String {
     match ty {
@@ -184,7 +192,7 @@ pub fn describe(ty: &Ty) -> String {
         Ty::Count => "a count".to_owned(),
         Ty::Number => "a number".to_owned(),
         Ty::Quantity(dimension) => quantity(*dimension),
-        Ty::Ratio(reference) => format!("a share of {reference} (`%`)"),
+        Ty::Ratio(share) => share_of(share),
         Ty::Text => "a text".to_owned(),
         Ty::Choice(words) => {
             words.iter().map(|word| format!("`\"{word}\"`")).collect::<Vec<_>>().join(" or ")

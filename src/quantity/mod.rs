@@ -5,10 +5,12 @@
 
 pub mod dimension;
 pub mod parse;
+pub mod relative;
 pub mod unit;
 
 pub use dimension::Dimension;
 pub use parse::{QuantityError, count, counted, quantity, quantity_of};
+pub use relative::{Measure, Relative, relative};
 
 /// Longest decimal form of a number, in characters.
 const LONGEST: usize = 20;

@@ -158,12 +158,12 @@ fn unit_range(text: &str) -> Range<usize> {
     start + leading_blanks(&text[start..])..text.trim_end().len()
 }
 
-fn leading_blanks(text: &str) -> usize {
+pub(super) fn leading_blanks(text: &str) -> usize {
     text.len() - text.trim_start().len()
 }
 
 /// The number at the beginning of a text. Words such as `inf` and `nan` count as numbers.
-fn number_range(text: &str) -> Result<Range<usize>, QuantityError> {
+pub(super) fn number_range(text: &str) -> Result<Range<usize>, QuantityError> {
     let start = leading_blanks(text);
     let bytes = text.as_bytes();
     let digits = |mut at: usize| {
@@ -198,7 +198,7 @@ fn number_range(text: &str) -> Result<Range<usize>, QuantityError> {
 }
 
 /// A decimal number times a power of ten, rounded once.
-fn scaled(number: &str, exponent: i32) -> Option<f64> {
+pub(super) fn scaled(number: &str, exponent: i32) -> Option<f64> {
     let number = number.replace('_', "");
     let (mantissa, written) = match number.split_once(['e', 'E']) {
         Some((mantissa, written)) => (mantissa, written.parse::<i32>().ok()?),

@@ -13,6 +13,7 @@ pub mod kinematics;
 pub mod legs;
 pub mod load;
 pub mod model;
+pub mod proportions;
 pub mod selector;
 pub mod self_collision;
 pub mod solid;
@@ -33,6 +34,7 @@ pub use kinematics::{GRAVITY, Kinematics};
 pub use legs::{Leg, hip_height, leg_length};
 pub use load::{diagnostic, load, read, shipped};
 pub use model::{Body, Collision, Foot, Joint, Link, Robot, Shape};
+pub use proportions::Proportions;
 pub use self_collision::SelfCollision;
 pub use support::Support;
 

@@ -2,14 +2,13 @@
 //! in them, and suites over a spec. The parents are included in the program.
 
 mod alone;
-mod build;
+mod own;
 mod parents;
 
-pub use build::Build;
 pub use parents::{actions, parent, tasks};
 
 use crate::format::{Order, Sort, format};
-use crate::robot;
+use crate::robot::{self, Proportions};
 
 /// Settings of a new spec.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,8 +21,8 @@ pub struct Wish {
     pub task: String,
     /// The action: a parent with this name.
     pub action: String,
-    /// The measures of a robot that is not shipped with the program.
-    pub build: Option<Build>,
+    /// The proportions of a robot that is not shipped with the program.
+    pub build: Option<Proportions>,
 }
 
 /// Height at which TOCABI's episodes end, as a share of its pelvis height.
@@ -35,10 +34,13 @@ const BESIDE: f64 = 0.1;
 /// high or more.
 const SMALL: f64 = 0.85;
 
+/// The comment of a quantity that a user's robot turns into a share.
+const RELATIVE: &str = " # mgh: the robot's weight times the height of its pelvis";
+
 impl Wish {
     /// The lines that depend on the robot.
     fn own(&self) -> String {
-        let bound = |build: Build| {
+        let bound = |build: Proportions| {
             let (sinks, share) = ((1.0 - LOWEST) * build.stands, 100.0 * (1.0 - LOWEST));
             let bound = build.base - sinks;
             format!(
@@ -47,9 +49,10 @@ impl Wish {
                 build.base
             )
         };
-        let shipped = || robot::shipped(&self.robot).map(|robot| Build::of(&robot));
-        let is_other =
-            |build: &Build| build.stands < SMALL || (build.base - build.stands).abs() > BESIDE * build.stands;
+        let shipped = || robot::shipped(&self.robot).map(|robot| Proportions::of(&robot));
+        let is_other = |build: &Proportions| {
+            build.stands < SMALL || (build.base - build.stands).abs() > BESIDE * build.stands
+        };
         let small = self.build.or_else(shipped).filter(is_other);
         let bound = small.map(bound).unwrap_or_default();
         let desk =
@@ -74,14 +77,13 @@ impl Wish {
     /// The robot-dependent lines of `[action]`: only TOCABI's file has gains that the paper divides by 8, and
     /// G1's motors are a third stronger relative to weight and height.
     fn own_action(&self) -> String {
-        let explores = |std: &str, why: &str| {
-            format!("[action]\nstd = \"{std}\" # of each joint's effort limit{why}\n\n")
-        };
         match (self.action.as_str(), self.robot.as_str()) {
-            ("torque", "g1") if self.task != "squat" => explores("5 %", ""),
+            ("torque", "g1") if self.task != "squat" => {
+                "[action]\nstd = \"5 %\" # of each joint's effort limit\n\n".to_owned()
+            }
             ("torque", _) => {
-                let own = self.build.and_then(|build| build.exploration(&self.task));
-                own.map(|std| explores(&std, "; scaled to the robot's weight")).unwrap_or_default()
+                let own = self.build.and_then(|build| own::exploration(&build, &self.task));
+                own.map(|std| format!("[action]\nstd = \"{std}\"{RELATIVE}\n\n")).unwrap_or_default()
             }
             ("position", robot) if robot != "tocabi" && !self.has_a_servo() => {
                 let damping = match robot {
@@ -110,14 +112,13 @@ impl Wish {
     /// The stiffness of the labels: the parents give a share of the gains in the robot's file, and files
     /// differ.
     fn labels(&self) -> String {
-        let Some([stiffness, damping]) = self.build.and_then(|build| build.labels(&self.task)) else {
+        let Some([stiffness, damping]) = self.build.and_then(|build| own::labels(&build, &self.task)) else {
             return String::new();
         };
         let table = |profile: &str| {
             format!(
-                "[profile.{profile}.pretrain]\nstiffness = \"{stiffness}\" # of the gains in its file; \
-                 scaled to the robot's weight\n\
-                 damping = \"{damping}\"\n\n"
+                "[profile.{profile}.pretrain]\nstiffness = \"{stiffness}\"{RELATIVE}\ndamping = \"{damping}\" # \
+                 with the passive damping of the joints\n\n"
             )
         };
         ["desk", "quick"].map(table).concat()
@@ -133,9 +134,8 @@ impl Wish {
     fn desk_action(&self) -> String {
         let std = match self.task.as_str() {
             "run" => {
-                let own = self.build.and_then(|build| build.running_exploration());
-                let share =
-                    own.unwrap_or_else(|| if self.robot == "g1" { "14 %" } else { "20 %" }.to_owned());
+                let own = self.build.as_ref().and_then(own::running_exploration);
+                let share = own.unwrap_or(if self.robot == "g1" { "14 %" } else { "20 %" });
                 format!("std = \"{share}\" # less exploration: runs later, less robust to other bodies\n")
             }
             _ => self.own_noise(),
@@ -150,18 +150,17 @@ impl Wish {
 
     /// The servo with which a user's robot trains.
     fn own_servo(&self) -> String {
-        let stiffness = self.build.filter(|_| self.moves_with_a_servo()).and_then(|build| build.servo());
-        let line = |share| {
-            format!("stiffness = \"{share}\" # of the gains in its file; scaled to the robot's weight\n")
-        };
+        let build = self.build.filter(|_| self.moves_with_a_servo());
+        let stiffness = build.as_ref().and_then(own::servo);
+        let line = |stiffness| format!("stiffness = \"{stiffness}\"{RELATIVE}\n");
         stiffness.map(line).unwrap_or_default()
     }
 
     /// The exploration with which a user's robot trains under position control.
     fn own_noise(&self) -> String {
-        let share =
-            self.build.filter(|_| self.moves_with_a_servo()).and_then(|build| build.exploration(&self.task));
-        share.map(|share| format!("std = \"{share}\" # of each joint's effort limit\n")).unwrap_or_default()
+        let build = self.build.filter(|_| self.moves_with_a_servo());
+        let std = build.and_then(|build| own::exploration(&build, &self.task));
+        std.map(|std| format!("std = \"{std}\"{RELATIVE}\n")).unwrap_or_default()
     }
 
     fn moves_with_a_servo(&self) -> bool {
@@ -176,8 +175,8 @@ impl Wish {
             ("run", _) => ("fifth", "5 %"),
             _ => return String::new(),
         };
-        let own = self.build.and_then(|build| build.last_exploration(&self.task));
-        let share = own.unwrap_or(shipped.to_owned());
+        let own = self.build.and_then(|build| own::last_exploration(&build, &self.task));
+        let share = own.unwrap_or(shipped);
         format!(
             "[profile.desk.fine_tune]\nstd = \"{share}\" # little exploration in the last {part} of the \
              samples\n\n"

@@ -5,8 +5,8 @@
 //! the unit that specforge itself writes. Numerators come first. Another spelling (`s/rad*N*m`) is valid in a
 //! spec although the pattern does not match: `check` decides.
 
-use crate::quantity::Dimension;
 use crate::quantity::unit::{PREFIXES, UNITS, Unit};
+use crate::quantity::{Dimension, Measure};
 
 /// A number, as quantities begin.
 const NUMBER: &str = "[-+]?[0-9._]+([eE][-+]?[0-9]+)?";
@@ -22,6 +22,13 @@ pub fn quantity(dimension: Dimension) -> String {
 /// A percentage.
 pub fn ratio() -> String {
     format!("^{NUMBER} *%$")
+}
+
+/// A percentage, or a quantity relative to the robot.
+pub fn ratio_or(measure: Measure) -> String {
+    // The unit's only special characters are `*` and the parentheses.
+    let unit = measure.unit().replace('*', "\\*").replace('(', "\\(").replace(')', "\\)");
+    format!("^{NUMBER} *(%|(% *)?{unit})$")
 }
 
 /// A count with a suffix.

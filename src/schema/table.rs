@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::{Definitions, described, pattern, types};
 use crate::kinds::reference::summary;
-use crate::spec::{Kind, Kinds, Param, Presence, Ty};
+use crate::spec::{Kind, Kinds, Param, Presence, Share, Ty};
 
 /// Which keys are required.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,7 +49,10 @@ pub fn key(param: &Param, definitions: &mut Definitions) -> Value {
 /// The documentation of a key, including the reference of a ratio.
 fn documentation(param: &Param) -> String {
     match param.ty {
-        Ty::Ratio(reference) => format!("{} A share of {reference}.", param.doc),
+        Ty::Ratio(Share { of, measure: None }) => format!("{} A share of {of}.", param.doc),
+        Ty::Ratio(Share { of, measure: Some(measure) }) => {
+            format!("{} A share of {of}, or {} in `{}`.", param.doc, measure.name(), measure.unit())
+        }
         _ => param.doc.to_owned(),
     }
 }
@@ -64,8 +67,11 @@ pub fn of(ty: &Ty, definitions: &mut Definitions) -> Value {
         ),
         Ty::Number => json!({ "type": "number" }),
         Ty::Quantity(dimension) => types::quantity(*dimension, definitions),
-        Ty::Ratio(_) => {
+        Ty::Ratio(Share { measure: None, .. }) => {
             definitions.refer("ratio", |_| json!({ "type": "string", "pattern": pattern::ratio() }))
+        }
+        Ty::Ratio(Share { measure: Some(measure), .. }) => {
+            json!({ "type": "string", "pattern": pattern::ratio_or(*measure) })
         }
         Ty::Text => json!({ "type": "string" }),
         Ty::Choice(words) => json!({ "enum": words }),

@@ -6,7 +6,7 @@
 
 use std::fmt;
 
-use crate::quantity::Dimension;
+use crate::quantity::{Dimension, Measure};
 
 /// An edition of the language (`spec = 1`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -28,8 +28,8 @@ pub enum Ty {
     Number,
     /// A number with a unit of this dimension, as a string.
     Quantity(Dimension),
-    /// A string with a `%`: a ratio to the reference named here; `1.0` is 100 %.
-    Ratio(&'static str),
+    /// A string with a `%`: a share of a reference; `1.0` is 100 %.
+    Ratio(Share),
     /// Free text (a name, a file).
     Text,
     /// One of these words.
@@ -50,6 +50,23 @@ pub enum Ty {
     /// One of several types, distinguished by the shape of the TOML value (a string, a list, a table with a
     /// certain key). The first match wins.
     OneOf(&'static [Ty]),
+}
+
+/// What a ratio is a share of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Share {
+    /// The reference: `the joint's effort limit`.
+    pub of: &'static str,
+    /// For keys that also take a quantity relative to the robot, which its figures turn into a share: what it
+    /// measures.
+    pub measure: Option<Measure>,
+}
+
+impl Share {
+    /// A share of a reference, and nothing else.
+    pub const fn of(of: &'static str) -> Self {
+        Self { of, measure: None }
+    }
 }
 
 /// The kinds of a section that are also allowed in a table of another section.

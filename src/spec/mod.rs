@@ -24,7 +24,7 @@ pub mod value;
 
 pub use claim::Claim;
 pub use decode::{Decoded, Decoder};
-pub use descriptor::{Edition, Kind, Kinds, Length, Param, Presence, Signal, Ty};
+pub use descriptor::{Edition, Kind, Kinds, Length, Param, Presence, Share, Signal, Ty};
 pub use experiment::{Attachment, Experiment, LoadOptions, Loaded, NamedSpec};
 pub use load::{Gathered, load, load_in};
 pub use marks::{Mark, Marks};

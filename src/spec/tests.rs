@@ -10,7 +10,7 @@ use super::*;
 use crate::quantity::Dimension;
 
 const RATE: Param = Param::required("rate", Ty::Quantity(Dimension::RATE));
-const STD: Param = Param::default("std", Ty::Ratio("the limit"), "\"10 %\"");
+const STD: Param = Param::default("std", Ty::Ratio(Share::of("the limit")), "\"10 %\"");
 
 static TORQUE: Kind = Kind { name: "torque", since: Edition::ONE, doc: "", params: &[RATE, STD], needs: &[] };
 static POSITION: Kind = Kind {
@@ -19,7 +19,7 @@ static POSITION: Kind = Kind {
     doc: "",
     params: &[
         RATE,
-        Param::required("stiffness", Ty::Ratio("the gain")),
+        Param::required("stiffness", Ty::Ratio(Share::of("the gain"))),
         Param::required("servo_rate", Ty::Quantity(Dimension::RATE)),
         Param::optional("noise", Ty::Sampler(Dimension::ANGLE)),
     ],

@@ -37,11 +37,20 @@ pub enum Value {
 pub struct Quantity {
     /// The value in SI units; a ratio is 1.0 at 100 %.
     pub si: f64,
-    /// The original text, for example `4 ms`, `10 %` or `0.3`.
+    /// The original text, for example `4 ms`, `10 %` or `0.3`. Of a quantity relative to the robot both, with
+    /// the share that it amounts to: `0.16 mgh/rad = 4.523 %`.
     pub text: String,
 }
 
 impl Quantity {
+    /// What separates the original text of a quantity relative to the robot from its share.
+    pub const EQUALS: &str = " = ";
+
+    /// The share that a quantity relative to the robot amounts to, as text; `None` for any other.
+    pub fn share(&self) -> Option<&str> {
+        self.text.rsplit_once(Self::EQUALS).map(|(_, share)| share)
+    }
+
     /// Whether parsing the text gives the number.
     pub fn says_its_number(&self) -> bool {
         self.reading() == Some(true)
@@ -53,8 +62,9 @@ impl Quantity {
     }
 
     fn reading(&self) -> Option<bool> {
-        let bare = || self.text.replace('_', "").parse().ok();
-        let read: f64 = quantity::quantity(&self.text).ok().map(|parsed| parsed.si).or_else(bare)?;
+        let text = self.share().unwrap_or(&self.text);
+        let bare = || text.replace('_', "").parse().ok();
+        let read: f64 = quantity::quantity(text).ok().map(|parsed| parsed.si).or_else(bare)?;
         // A number that was computed and then printed may differ in its last digits.
         Some((read - self.si).abs() <= 1e-9 * self.si.abs())
     }

@@ -55,7 +55,12 @@ fn block(experiment: &Experiment, path: &str, table: &Table) -> String {
     let width = entries.iter().map(|(key, _)| key.len()).max().unwrap_or(0);
     let mut text = format!("\n[{path}]\n");
     for (key, value) in entries {
-        text += &format!("{key:<width$} = {}\n", written(experiment, &below(path, key), value));
+        let share = match value {
+            Value::Quantity(quantity) => quantity.share(),
+            _ => None,
+        };
+        let note = share.map(|share| format!(" # {share}")).unwrap_or_default();
+        text += &format!("{key:<width$} = {}{note}\n", written(experiment, &below(path, key), value));
     }
     text
 }

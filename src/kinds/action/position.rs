@@ -5,11 +5,13 @@ use crate::spec::typed::prelude::*;
 
 reference! {
     /// Reference of the proportional gain.
-    pub OwnStiffness = "the robot's own proportional gain";
+    pub OwnStiffness = "the robot's own proportional gain" or Stiffness;
     /// Reference of the derivative gain.
     pub OwnDamping = "the robot's own derivative gain";
-    /// Reference of actions and exploration.
+    /// Reference of actions.
     pub HalfRange = "half of the joint's range";
+    /// Reference of the exploration.
+    pub Exploration = "half of the joint's range" or Torque;
 }
 
 choice! {
@@ -105,9 +107,10 @@ kind! {
         /// rad"`.
         #[range(1e-3, 100.0)]
         shares_of: Option<SharesOf>,
-        /// Standard deviation of the exploration noise, as the same share for every joint.
+        /// Standard deviation of the exploration noise, as the same share for every joint. A torque relative to
+        /// the robot needs `shares_of = "effort_limits"`.
         #[range(1e-6, 10.0)]
-        std: Ratio<HalfRange>,
+        std: Ratio<Exploration>,
         /// Time between a torque command and its effect, not necessarily a whole number of physics steps.
         /// `randomize.action_delay` scales it.
         #[range(0.0, 0.1)]

@@ -5,7 +5,7 @@ use crate::spec::typed::prelude::*;
 
 reference! {
     /// Reference of the exploration.
-    pub EffortLimit = "the joint's effort limit";
+    pub EffortLimit = "the joint's effort limit" or Torque;
 }
 
 kind! {

@@ -7,7 +7,7 @@ use crate::spec::typed::prelude::*;
 
 reference! {
     /// Reference of the exploration.
-    pub ActionStd = "what `action.std` is a share of";
+    pub ActionStd = "what `action.std` is a share of" or Torque;
 }
 
 kind! {

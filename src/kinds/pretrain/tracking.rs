@@ -5,9 +5,9 @@ use crate::spec::typed::prelude::*;
 
 reference! {
     /// Reference of the labels' stiffness.
-    pub OwnStiffness = "the robot's own stiffness_gain";
+    pub OwnStiffness = "the robot's own stiffness_gain" or Stiffness;
     /// Reference of the labels' damping.
-    pub OwnDamping = "the robot's own damping_gain";
+    pub OwnDamping = "the robot's own damping_gain" or Damping;
     /// Reference of the bound on the centre of pressure.
     pub Sole = "the sole's half length and half width";
 }

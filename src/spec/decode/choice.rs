@@ -2,6 +2,7 @@
 
 use crate::diag::Diagnostic;
 use crate::quantity::parse::looks_like_quantity;
+use crate::quantity::relative;
 use crate::spec::{Param, Presence, Sampler, Ty};
 use crate::syntax::{Item, Node};
 
@@ -29,7 +30,10 @@ fn fits(ty: &Ty, node: &Node, strictly: bool) -> bool {
         (Ty::Count, Item::Number(number)) => !strictly || number.whole.is_some(),
         (Ty::Quantity(_) | Ty::Ratio(_), Item::Number(_)) => !strictly,
         (Ty::Sampler(dimension), Item::Number(_)) => !strictly || dimension.unit().is_empty(),
-        (Ty::Ratio(_), Item::Text(text)) => looks_like_quantity(text) && (!strictly || text.contains('%')),
+        (Ty::Ratio(share), Item::Text(text)) => {
+            let has_its_unit = text.contains('%') || share.measure.is_some() && text.contains(relative::WORD);
+            looks_like_quantity(text) && (!strictly || has_its_unit)
+        }
         (Ty::Quantity(_) | Ty::Sampler(_) | Ty::Count, Item::Text(text)) => looks_like_quantity(text),
         (Ty::Choice(words), Item::Text(text)) => !strictly || words.contains(&text.as_str()),
         (Ty::Text, Item::Text(_)) => true,

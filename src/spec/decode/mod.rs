@@ -5,6 +5,8 @@
 
 mod choice;
 mod keys;
+mod misread;
+mod relative;
 mod sampler;
 mod scalar;
 mod terms;
@@ -18,7 +20,7 @@ use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::syntax::{Item, Layer, Map, Node};
 
 pub use keys::derived;
-pub use scalar::part;
+pub use misread::part;
 
 /// A decoded document and the places of its values.
 #[derive(Clone, Debug, Default)]

@@ -1,14 +1,14 @@
 //! Flags, counts, numbers, quantities, ratios, texts and words.
 
-use std::ops::Range;
-
 use super::choice::{describe, example};
-use crate::diag::{Diagnostic, Span};
+use super::misread::{explain, inside, not_finite, unit_missing};
+use super::relative;
+use crate::diag::Diagnostic;
 use crate::quantity::parse::{CountError, MOST_COUNTED};
 use crate::quantity::{self, Dimension, QuantityError};
 use crate::spec::bounds;
 use crate::spec::suggest::{listed, nearest};
-use crate::spec::{Param, Presence, Quantity, Ty, Value};
+use crate::spec::{Param, Presence, Quantity, Share, Ty, Value};
 use crate::syntax::{Item, Node, Number, literal};
 
 /// Decodes a scalar.
@@ -26,7 +26,7 @@ pub fn decode(ty: &Ty, node: &Node, param: &Param) -> Result<Value, Diagnostic> 
             in_range(value.si, *dimension, node, param)?;
             Ok(Value::Quantity(value))
         }
-        (Ty::Ratio(reference), _) => ratio(reference, node, param),
+        (Ty::Ratio(share), _) => ratio(share, node, param),
         (Ty::Text, Item::Text(text)) => Ok(Value::Text(text.clone())),
         (Ty::Choice(words), Item::Text(text)) => word(words, text, node, param),
         _ => Err(wrong_type(ty, node, param)),
@@ -173,12 +173,6 @@ fn bare(node: &Node, param: &Param) -> Result<Quantity, Diagnostic> {
     }
 }
 
-fn not_finite(span: Span, param: &Param) -> Diagnostic {
-    Diagnostic::error("E0205", format!("`{}` is not finite", param.name))
-        .at(span, "infinite, too large or not a number")
-        .help("write a finite number")
-}
-
 /// A quantity of a dimension. A dimensionless number is bare or a percentage.
 pub fn quantity(dimension: Dimension, node: &Node, param: &Param) -> Result<Quantity, Diagnostic> {
     if dimension == Dimension::NONE && !matches!(&node.item, Item::Text(text) if text.contains('%')) {
@@ -196,7 +190,11 @@ pub fn quantity(dimension: Dimension, node: &Node, param: &Param) -> Result<Quan
 }
 
 /// A percentage.
-fn ratio(reference: &str, node: &Node, param: &Param) -> Result<Value, Diagnostic> {
+fn ratio(share: &Share, node: &Node, param: &Param) -> Result<Value, Diagnostic> {
+    let reference = share.of;
+    if let Some((text, read)) = node.text().and_then(|text| Some((text, quantity::relative(text)?))) {
+        return relative::decode(share, text, read, node, param);
+    }
     let share = |si: f64, text: &str| {
         in_range(si, Dimension::NONE, node, param)?;
         Ok(Value::Quantity(Quantity { si, text: text.trim().to_owned() }))
@@ -234,78 +232,8 @@ fn ratio(reference: &str, node: &Node, param: &Param) -> Result<Value, Diagnosti
         },
         Item::Number(number) if !number.value.is_finite() => Err(not_finite(node.span, param)),
         Item::Number(number) => Err(missing(&number.text, number.value)),
-        _ => Err(wrong_type(&Ty::Ratio(""), node, param)),
+        _ => Err(wrong_type(&param.ty, node, param)),
     }
-}
-
-/// E0201 with the edit.
-fn unit_missing(number: &str, dimension: Dimension, node: &Node) -> Diagnostic {
-    let written = format!("\"{number} {}\"", dimension.unit());
-    let error =
-        Diagnostic::error("E0201", format!("{} needs a unit", dimension.name())).at(node.span, "no unit");
-    error.help(format!("did you mean `{written}`?")).fix(node.span, written)
-}
-
-/// A quantity's error as a diagnostic.
-fn explain(
-    error: &QuantityError,
-    text: &str,
-    dimension: Dimension,
-    node: &Node,
-    param: &Param,
-) -> Diagnostic {
-    match error {
-        QuantityError::NoNumber { .. } => {
-            let message = format!("`{}` takes {}, found `{text}`", param.name, dimension.name());
-            let example = example(&Ty::Quantity(dimension));
-            Diagnostic::error("E0103", message)
-                .at(node.span, "no number")
-                .help(format!("write for example `{example}`"))
-        }
-        QuantityError::UnitMissing { number } => unit_missing(&text[number.clone()], dimension, node),
-        QuantityError::UnknownUnit { range, found, suggestion } => {
-            let place = inside(node, text, range.clone());
-            let error = Diagnostic::error("E0202", format!("unknown unit `{found}`")).at(place, "not a unit");
-            match suggestion {
-                Some(unit) => error.help(format!("did you mean `{unit}`?")).fix(place, unit.clone()),
-                None => error.help(format!(
-                    "{} is written with {}; units are joined by `*` and `/`, powers by `^`",
-                    dimension.name(),
-                    if dimension.unit().is_empty() {
-                        "`%`".to_owned()
-                    } else {
-                        format!("`{}`", dimension.unit())
-                    },
-                )),
-            }
-        }
-        QuantityError::Mismatch { range, found, expected } => {
-            let unit = &text[range.clone()];
-            let message = format!("wrong dimension: expected {}, found {}", expected.name(), found.name());
-            let error = Diagnostic::error("E0203", message);
-            let error = error.at(inside(node, text, range.clone()), format!("`{unit}` is {}", found.name()));
-            let number = text[..range.start].trim();
-            let example = format!("`\"{number} {}\"`", expected.unit());
-            error.help(format!("write `{}` as {}, for example {example}", param.name, expected.name()))
-        }
-        QuantityError::NotFinite { number } => not_finite(inside(node, text, number.clone()), param),
-    }
-}
-
-/// The place of a part of a string value. For strings with escapes, and for defaults, that of the whole.
-fn inside(node: &Node, text: &str, range: Range<usize>) -> Span {
-    part(node.span, text, range)
-}
-
-/// The place of a part of a string value whose place is `span`.
-pub fn part(span: Span, text: &str, range: Range<usize>) -> Span {
-    let quote = match (span.end - span.start).checked_sub(text.len()) {
-        Some(0) => 0,
-        Some(2) => 1,
-        _ => return span,
-    };
-    let start = span.start + quote;
-    Span { start: start + range.start, end: start + range.end, ..span }
 }
 
 /// Checks the bounds of a key (E0204).

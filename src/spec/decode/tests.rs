@@ -2,7 +2,7 @@ use super::*;
 use crate::quantity::Dimension;
 use crate::spec::typed::units::Radian;
 use crate::spec::typed::{Sampled, Typed};
-use crate::spec::{Edition, Sampler};
+use crate::spec::{Edition, Sampler, Share};
 
 const NETWORK: &[Param] = &[
     Param::default("hidden", Ty::List(&Ty::Count), "[256, 256]").range(1.0, 8192.0),
@@ -18,7 +18,7 @@ const RATE: Ty = Ty::OneOf(&[
 static PARAMS: &[Param] = &[
     Param::required("rate", Ty::Quantity(Dimension::RATE)).range(1.0, 1e5),
     Param::default("delay", Ty::Quantity(Dimension::TIME), "\"4 ms\""),
-    Param::optional("std", Ty::Ratio("the effort limit")).range(0.0, 1.0),
+    Param::optional("std", Ty::Ratio(Share::of("the effort limit"))).range(0.0, 1.0),
     Param::optional("scale", Ty::Sampler(Dimension::NONE)),
     Param::optional("noise", Ty::Sampler(Dimension::ANGLE)),
     Param::optional("samples", Ty::Count).range(1.0, 1e9),

@@ -277,11 +277,12 @@ macro_rules! either {
 
 /// Declares the references of ratios.
 macro_rules! reference {
-    ($($(#[$($about:tt)*])* $vis:vis $name:ident = $words:literal;)*) => {$(
+    ($($(#[$($about:tt)*])* $vis:vis $name:ident = $words:literal $(or $measure:ident)?;)*) => {$(
         $(#[$($about)*])*
         $vis struct $name;
         impl $crate::spec::typed::Reference for $name {
             const OF: &'static str = $words;
+            $( const MEASURE: Option<$crate::quantity::Measure> = Some($crate::quantity::Measure::$measure); )?
         }
     )*};
 }

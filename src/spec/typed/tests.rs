@@ -4,7 +4,7 @@ use super::units::{Metre, Second};
 use super::{
     Declared, InSection, Key, Keys, Quantified, Ratio, Sampled, Typed, choice, either, keys, kind, reference,
 };
-use crate::spec::{Length, Presence, Quantity, Sampler, Section, Signal, Table, Ty, Value};
+use crate::spec::{Length, Presence, Quantity, Sampler, Section, Share, Signal, Table, Ty, Value};
 
 reference! {
     /// What a gain is a share of.
@@ -82,7 +82,7 @@ fn a_declaration_gives_the_keys_with_everything_about_them() {
     assert!(matches!((at.ty, at.presence), (Ty::Sampler(_), Presence::Optional)));
     assert!(matches!(
         gain.ty,
-        Ty::OneOf([Ty::Choice(["sqrt", "linear"]), Ty::Ratio("the robot's own gain")])
+        Ty::OneOf([Ty::Choice(["sqrt", "linear"]), Ty::Ratio(Share { of: "the robot's own gain", .. })])
     ));
     assert_eq!(widths.length, Some(Length::Some));
     assert!(matches!(count.presence, Presence::Default("3")));

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::marker::PhantomData;
 
 use super::super::value::number;
-use super::super::{Kinds, Presence, Sampler, Table, Ty, Value};
+use super::super::{Kinds, Presence, Sampler, Share, Table, Ty, Value};
 use super::{InSection, Part, Typed};
-use crate::quantity::Dimension;
+use crate::quantity::{Dimension, Measure};
 
 /// Declares a type whose Rust type is the same whether or not the key is present.
 macro_rules! typed {
@@ -36,6 +36,8 @@ pub trait Unit {
 pub trait Reference {
     /// As text: `the joint's effort limit`.
     const OF: &'static str;
+    /// What a quantity relative to the robot measures in its place; `None` if the key takes only shares.
+    const MEASURE: Option<Measure> = None;
 }
 
 /// A number with a unit of this dimension; in Rust in SI units.
@@ -62,7 +64,7 @@ typed!(String => String, Ty::Text, |value| match value {
     _ => None,
 });
 typed!(for [U: Unit] Quantified<U> => f64, Ty::Quantity(U::DIMENSION), number);
-typed!(for [R: Reference] Ratio<R> => f64, Ty::Ratio(R::OF), number);
+typed!(for [R: Reference] Ratio<R> => f64, Ty::Ratio(Share { of: R::OF, measure: R::MEASURE }), number);
 typed!(for [U: Unit] Sampled<U> => Sampler, Ty::Sampler(U::DIMENSION), |value| match value {
     Value::Sampler(sampler) => Some(sampler.clone()),
     other => number(other).map(Sampler::Constant),
