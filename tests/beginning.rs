@@ -182,16 +182,17 @@ fn a_robot_of_ones_own_comes_from_urdf_to_a_suite_without_an_editor() {
     run(&["new", "squat.toml", "--robot", "mine", "--task", "squat"]);
     let spec = fs::read_to_string(folder.path().join("squat.toml")).expect("it was written");
     assert!(spec.contains("below = \"0.52 m\""), "{spec}");
-    // Its gains and effort limits are read as what they are for its weight.
-    let words = spec.split_whitespace().collect::<Vec<_>>().join(" ");
-    for line in ["std = \"3.1 %\"", "low_pass = \"20 Hz\"", "stiffness = \"31 %\"", "damping = \"51 %\""] {
-        assert!(words.contains(line), "{line}: {spec}");
+    // Exploration and labels are relative to its weight and height, and amount to shares of its own figures.
+    let joined = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(joined(&spec).contains("low_pass = \"20 Hz\""), "{spec}");
+    let resolved = run(&["show", "squat.toml", "--profile", "desk", "--resolved"]);
+    for line in ["std = \"1.1 % mgh\" # 3.088 %", "mgh/rad\" # 30.97 %", "sqrt(h/g)/rad\" # 50.73 %"] {
+        assert!(joined(&resolved).contains(line), "{line}: {resolved}");
     }
     run(&["new", "run.toml", "--robot", "mine", "--task", "run"]);
     let spec = fs::read_to_string(folder.path().join("run.toml")).expect("it was written");
-    let words = spec.split_whitespace().collect::<Vec<_>>().join(" ");
-    for line in ["action.std = \"13 %\"", "low_pass = \"20 Hz\"", "std = \"3.4 %\""] {
-        assert!(words.contains(line), "{line}: {spec}");
+    for line in ["action.std = \"4.8 % mgh\"", "low_pass = \"20 Hz\"", "std = \"1.2 % mgh\""] {
+        assert!(joined(&spec).contains(line), "{line}: {spec}");
     }
     run(&["new", "weights.toml", "--suite", "squat.toml"]);
     run(&["check", ".", "--deny", "warnings"]);

@@ -176,6 +176,29 @@ fn a_file_that_is_not_there_and_a_folder_are_named() {
     assert!(told(&folder).contains("E0006") && told(&folder).contains(".safetensors"), "{}", told(&folder));
 }
 
+#[test]
+fn a_spec_without_a_trained_policy_is_told_how_to_train_it() {
+    let store = tempfile::tempdir().expect("a folder");
+    let run = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
+        command.current_dir(env!("CARGO_MANIFEST_DIR")).arg("--store").arg(store.path()).arg("evaluate");
+        command.args(arguments).output().expect("the program can be started")
+    };
+    let spec = "specs/tocabi_walk_torque.toml";
+    let untrained = run(&[spec, "--profile", "quick", "--set", "learn.seed=2"]);
+    assert_eq!(untrained.status.code(), Some(2));
+    let advice = format!("specforge run {spec} --profile quick --set 'learn.seed=2'");
+    assert!(told(&untrained).contains(&advice), "{}", told(&untrained));
+    assert!(told(&run(&[spec])).contains("`--profile desk`"), "other profiles are named");
+    let suite = run(&["specs/studies/engines.toml", "--profile", "desk"]);
+    assert_eq!(suite.status.code(), Some(2));
+    assert!(told(&suite).contains("is a suite"), "{}", told(&suite));
+    let policy = file(&policy().to_bytes());
+    let varied = evaluate(&policy.path, &["--profile", "quick"]);
+    assert_eq!(varied.status.code(), Some(2));
+    assert!(told(&varied).contains("this is a policy"), "{}", told(&varied));
+}
+
 /// A machine without MuJoCo's library, or a build without the engine, checks a policy all the same and says
 /// what is missing.
 #[test]
@@ -359,6 +382,11 @@ mod engines {
             ["--episodes", "2", "--time-limit", "1 s", "--seed", "5", "--noise", "--randomize", "--explore"];
         let shaken = [&shaken[..], &["--command", "0.3", "--format", "json"]].concat();
         agrees(&lines(&evaluate(&policy, &shaken))[0], of("rapier", 0.3));
+        // The spec, with the options of its run, names the same policy.
+        let sets: Vec<&str> = SMALL.iter().flat_map(|assignment| ["--set", assignment]).collect();
+        let store = store.path().to_string_lossy().into_owned();
+        let named = [&shaken[..], &["--profile", "desk", "--store", &store], &sets].concat();
+        agrees(&lines(&evaluate(Path::new("specs/tocabi_walk_torque.toml"), &named))[0], of("rapier", 0.3));
         // Without its noise, its randomization or its exploration it is another evaluation.
         for at in [6, 7, 8] {
             let mut other = shaken.clone();

@@ -7,7 +7,7 @@
 //!   `specforge check`.
 //! * In a block that begins with "```console", each line `$ COMMAND` is run by bash and must succeed. Every
 //!   other line must be part of what the commands before it in the block print.
-//! * "```console tiny": `specforge run` and `specforge cache export` get a tiny budget, appended by `--set`.
+//! * "```console tiny": `specforge run`, `cache export` and `evaluate SPEC` get a tiny budget, appended by `--set`.
 //! * "```console plan": `specforge run` becomes `specforge plan`, because the run takes long.
 //! * "```console elsewhere": what builds, downloads or opens a window is not run.
 //! * "```text" is an illustration, and so is any block of `docs/guide/editor.md`, which is about other programs.
@@ -143,7 +143,7 @@ fn executed(command: &str, mode: &str, place: &str) -> String {
     match mode {
         "" | "elsewhere" => command.to_owned(),
         "tiny" => {
-            let known = ["specforge run ", "specforge cache export "];
+            let known = ["specforge run ", "specforge cache export ", "specforge evaluate specs/"];
             assert!(known.iter().any(|known| command.starts_with(known)), "{place}: `{command}` is not tiny");
             format!("{command} {TINY}")
         }

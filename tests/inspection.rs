@@ -135,6 +135,9 @@ fn codes_kinds_and_units_are_explained() {
     let torque = stdout(&specforge(&["explain", "torque"]));
     assert!(torque.contains("# action.torque") && torque.contains("# reward.torque"), "one word, two kinds");
     assert!(stdout(&specforge(&["explain", "ms"])).contains("1 ms is 0.001 s."));
+    let relative = stdout(&specforge(&["explain", "mgh/rad"]));
+    assert!(relative.contains("  tocabi ") && relative.contains("  pretrain.stiffness\n"), "{relative}");
+    assert!(stdout(&specforge(&["list", "units"])).contains("mgh*sqrt(h/g)/rad"));
     assert!(
         stderr(&specforge(&["explain", "velocity_trackin"])).contains("did you mean `velocity_tracking`?")
     );

@@ -13,6 +13,7 @@ use crate::kinds::keys::keys;
 use crate::kinds::reference::registries;
 use crate::kinds::terrain;
 use crate::kinds::vocabulary::vocabulary;
+use crate::quantity::Measure;
 use crate::quantity::unit::UNITS;
 use crate::scaffold::{actions, parent, tasks};
 use crate::sim::ENGINES;
@@ -95,6 +96,7 @@ impl Names {
         );
         words.extend(keys().into_iter().map(|key| key.path));
         words.extend(UNITS.iter().filter(|unit| unit.symbol != "%").map(|unit| unit.symbol.to_owned()));
+        words.extend(Measure::ALL.map(|measure| measure.unit().to_owned()));
         words.sort();
         words.dedup();
         Self {

@@ -60,6 +60,7 @@ Exit codes: 0 measured, 3 the spec has errors, 4 the measurement failed.";
 pub const EVALUATE: &str = "\
 Examples:
   specforge evaluate policy.safetensors
+  specforge evaluate specs/atlas_run_torque.toml --profile quick
   specforge evaluate policy.safetensors --engine rapier,mujoco --command 0.1 --command 0.3
   specforge evaluate policy.safetensors --terrain slope,angle=3deg --randomize --noise --episodes 8
   specforge evaluate policy.safetensors --push impulse=60N*s,duration=0.1s,at=6s,direction=90deg

@@ -13,6 +13,7 @@ use crate::kinds::keys::keys;
 use crate::kinds::physics::{EngineFacts, EngineName};
 use crate::kinds::reference::{Registry, registries, summary};
 use crate::kinds::vocabulary::vocabulary;
+use crate::quantity::Measure;
 use crate::quantity::unit::UNITS;
 use crate::sim::catalogue::SUPPORTED;
 use crate::spec::project::Shelf;
@@ -80,6 +81,10 @@ fn rows(wanted: &str) -> Option<Vec<Row>> {
                 let facts = json!({ "dimension": unit.dimension.name(), "prefixes": unit.prefixed });
                 row(unit.symbol, unit_line(unit), facts)
             })
+            .chain(Measure::ALL.map(|measure| {
+                let facts = json!({ "dimension": measure.name(), "prefixes": false });
+                row(measure.unit(), format!("{}: `specforge explain mgh`", measure.name()), facts)
+            }))
             .collect(),
         "keys" => keys()
             .iter()

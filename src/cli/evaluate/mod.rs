@@ -1,15 +1,17 @@
 //! `specforge evaluate POLICY`: evaluates an exported policy without its spec, in any engine, at any command.
+//! `specforge evaluate SPEC` finds the policy of a spec in the store.
 //!
 //! Episodes are as in a report: the same seed, command and engine give the same numbers.
 
 mod conditions;
 mod shown;
+mod trained;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::specs::{self, Findings};
+use super::specs::{self, Findings, Variant};
 use super::{Exit, Format, Global, interruption, output, run};
 use crate::bounded::{self, ReadError};
 use crate::crash;
@@ -29,9 +31,12 @@ const LARGEST: u64 = 64 << 20;
 /// Arguments of `evaluate`.
 #[derive(Debug, clap::Args)]
 pub struct Options {
-    /// The policy: a `policy.safetensors` of the stage `deploy.policy`, or one of reports/policies/
+    /// The policy: a `policy.safetensors` of the stage `deploy.policy`, one of reports/policies/, or a spec
+    /// (with the `--profile` and `--set` of its run), whose policy in the store is evaluated
     #[arg(value_name = "POLICY")]
     policy: PathBuf,
+    #[command(flatten)]
+    variant: Variant,
     /// Engines, separated by commas: rapier, mujoco, batch [default: the one that it was trained in]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     engine: Vec<String>,
@@ -89,13 +94,14 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(interrupt) => interrupt,
         Err(exit) => return exit,
     };
-    let policy = match readable(&options.policy) {
-        Ok(()) => read_policy(&options.policy, if options.trust { Trust::User } else { Trust::Digest }),
+    let path = match chosen(options, global) {
+        Ok(path) => path,
+        Err(exit) => return exit,
+    };
+    let policy = match readable(&path) {
+        Ok(()) => read_policy(&path, if options.trust { Trust::User } else { Trust::Digest }),
         Err(diagnostic) => {
-            specs::tell(
-                &[Findings::of(Sources::default(), vec![*diagnostic]).in_file(&options.policy)],
-                global,
-            );
+            specs::tell(&[Findings::of(Sources::default(), vec![*diagnostic]).in_file(&path)], global);
             return Exit::Invalid;
         }
     };
@@ -110,14 +116,27 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             return Exit::Invalid;
         }
     };
-    specs::tell(&[of_robot(&policy).in_file(&options.policy)], global);
+    specs::tell(&[of_robot(&policy).in_file(&path)], global);
     match evaluated(options, (&policy, &conditions), &interrupt, global) {
         Ok(evaluations) => {
-            shown::tell(&options.policy, &policy, &conditions.protocol, evaluations, global);
+            shown::tell(&path, &policy, &conditions.protocol, evaluations, global);
             Exit::Ok
         }
         Err(error) => failed(&error, global),
     }
+}
+
+/// The file of the policy: as named, or that of the named spec. Reports errors.
+fn chosen(options: &Options, global: &Global) -> Result<PathBuf, Exit> {
+    if trained::is_spec(&options.policy) {
+        return trained::policy(&options.policy, &options.variant, global);
+    }
+    if options.variant.options().varies() {
+        let message = "`--profile` and `--set` select the run of a spec, and this is a policy";
+        output::complain(global, message, Some("leave them out, or name the spec"));
+        return Err(Exit::Usage);
+    }
+    Ok(options.policy.clone())
 }
 
 /// The findings about the policy's own robot. They are warnings, because the policy was trained with exactly

@@ -1,5 +1,6 @@
 //! `specforge explain WORD`: the page of a code, kind, registry, section, key, unit or part of a suite.
 
+mod relative;
 mod suites;
 mod units;
 
@@ -10,6 +11,7 @@ use crate::diag::codes;
 use crate::kinds::keys::{self, Key};
 use crate::kinds::reference::{self, Registry, registries, summary};
 use crate::kinds::vocabulary::vocabulary;
+use crate::quantity::Measure;
 use crate::quantity::unit::UNITS;
 use crate::spec::synonyms::{self, PARTS};
 use crate::spec::{Kind, Shape};
@@ -104,6 +106,7 @@ fn pages_of(word: &str) -> Vec<Page> {
         pages.extend(if named.is_empty() { of_term(word, &keys) } else { named }.into_iter().map(key_page));
     }
     pages.extend(units::page(word));
+    pages.extend(relative::page(word));
     if pages.is_empty() {
         pages.extend(synonym_page(word));
     }
@@ -191,6 +194,7 @@ fn advice(word: &str) -> String {
     known.extend(suites::WORDS.map(str::to_owned));
     let names = PARTS.iter().flat_map(|part| part.rows).flat_map(|row| row.theirs);
     known.extend(names.map(|name| (*name).to_owned()));
+    known.extend(Measure::ALL.map(|measure| measure.unit().to_owned()));
     known.extend(UNITS.iter().flat_map(|unit| [unit.symbol.to_owned(), unit.name.to_owned()]));
     known.sort();
     known.dedup();
