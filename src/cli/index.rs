@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::specs::{self, Findings, Variant};
-use super::{Exit, Format, Global, output, pages};
+use super::{Exit, Format, Global, output, overwrite, pages};
 use crate::bounded;
 use crate::check;
 use crate::report::index::{FILE, Index, Listed, Standing, mark};
@@ -36,6 +36,10 @@ pub fn run(files: &[PathBuf], folder: &Path, global: &Global) -> Exit {
     };
     let page = mark::marked(&index.page(), &contents);
     let path = folder.join(FILE);
+    let advice = "name the folder of the reports: `--reports DIR`";
+    if let Err(exit) = overwrite::allowed(&path, "an index of reports", mark::is_index, advice, global) {
+        return exit;
+    }
     let written =
         std::fs::create_dir_all(folder).and_then(|()| safe_fs::replace_inside(folder, FILE, page.as_bytes()));
     if let Err(error) = written {

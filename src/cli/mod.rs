@@ -19,6 +19,7 @@ mod interruption;
 mod list;
 mod new;
 pub mod output;
+mod overwrite;
 mod pages;
 mod plan;
 mod power;

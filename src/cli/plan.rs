@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use super::study::{self, Source};
-use super::{Exit, Format, Global, output, power};
+use super::{Exit, Format, Global, output, overwrite, power};
 use crate::exec::journal::Past;
-use crate::plan::{render, summary, why};
+use crate::plan::{is_saved, render, summary, why};
 use crate::safe_fs;
 
 /// Arguments of `plan`.
@@ -31,6 +31,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Err(exit) => return exit,
     };
     if let Some(path) = &options.save {
+        let advice = "name another file, or remove this one first";
+        if let Err(exit) = overwrite::allowed(path, "a saved plan", is_saved, advice, global) {
+            return exit;
+        }
         let text = serde_json::to_string(&study.plan).expect("a plan is plain data");
         if let Err(error) = safe_fs::replace(path, text.as_bytes()) {
             let message = format!("the plan cannot be written: {}: {error}", path.display());

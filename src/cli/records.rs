@@ -128,6 +128,7 @@ fn complain(global: &Global, error: &RecordError) -> Exit {
         RecordError::Unwritten { .. } => {
             "free some space, make the folder writable, or choose another one: `--to DIR`"
         }
+        RecordError::Occupied { .. } => "name another folder: `--to DIR`, or move the file away",
         RecordError::Record { .. } => {
             "records are written by `specforge cache export`; restore the file, or remove it"
         }

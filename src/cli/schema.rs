@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{Exit, Global, output};
+use super::{Exit, Global, output, overwrite};
 use crate::safe_fs;
 use crate::schema::{Schema, schemas};
 
@@ -27,6 +27,13 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             .for_each(|schema| output::data(&schema.text()));
         return Exit::Ok;
     };
+    for schema in &schemas {
+        let advice = "name another folder, or remove the file first";
+        let place = folder.join(schema.file);
+        if let Err(exit) = overwrite::allowed(&place, "a JSON schema", is_schema, advice, global) {
+            return exit;
+        }
+    }
     let written = std::fs::create_dir_all(folder).and_then(|()| {
         let put = |schema: &Schema| safe_fs::replace_inside(folder, schema.file, schema.text().as_bytes());
         schemas.iter().try_for_each(put)
@@ -42,4 +49,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             Exit::StageFailed
         }
     }
+}
+
+/// Whether a text is a JSON schema.
+fn is_schema(text: &str) -> bool {
+    let schema: Result<serde_json::Value, _> = serde_json::from_str(text);
+    schema.is_ok_and(|schema| schema.get("$schema").is_some())
 }

@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::Value as Json;
 
 use super::arm::{Arm, Runs};
 use super::digests::{self, Digests};
@@ -48,6 +49,15 @@ pub enum SavedError {
     /// A plan that cannot be used.
     #[error(transparent)]
     Plan(#[from] PlanError),
+}
+
+/// Whether a text has the layout of a saved plan, of this version or of another; its content is not checked.
+pub fn is_saved(text: &str) -> bool {
+    let Ok(Json::Object(file)) = serde_json::from_str::<Json>(text) else { return false };
+    let has_list = |key: &str| file.get(key).is_some_and(Json::is_array);
+    has_list("arms")
+        && has_list("stages")
+        && file.keys().all(|key| matches!(key.as_str(), "arms" | "suite" | "stages" | "digests"))
 }
 
 impl Plan {

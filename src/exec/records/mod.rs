@@ -93,6 +93,12 @@ pub enum RecordError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// A file that is not a record has the name of a record to be written.
+    #[error("{} exists and is not a record of a run; nothing is written", path.display())]
+    Occupied {
+        /// The file.
+        path: PathBuf,
+    },
     /// A file is not a record, or was changed after it was written.
     #[error("{path}: {reason}")]
     Record {

@@ -1,6 +1,7 @@
 //! Writes the records of a plan's finished runs.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value as Json;
@@ -42,9 +43,13 @@ pub fn save(
 ) -> Result<Saved, RecordError> {
     let mut saved = Saved::default();
     let mut known = BTreeSet::new();
-    for arm in &plan.arms {
-        let stem = names::stem(name, &arm.name, &mut known);
-        let path = folder.join(format!("{stem}.json"));
+    let stems: Vec<String> = plan.arms.iter().map(|arm| names::stem(name, &arm.name, &mut known)).collect();
+    let place = |stem: &String| folder.join(format!("{stem}.json"));
+    if let Some(path) = stems.iter().map(place).find(|path| is_of_another_kind(path)) {
+        return Err(RecordError::Occupied { path });
+    }
+    for (arm, stem) in plan.arms.iter().zip(stems) {
+        let path = place(&stem);
         let stages = recorded(plan, arm);
         if stages
             .iter()
@@ -70,6 +75,16 @@ pub fn save(
         }
     }
     Ok(saved)
+}
+
+/// Whether a file exists that is not a record of a run, whole or edited, and must not be replaced by one.
+fn is_of_another_kind(path: &Path) -> bool {
+    let is_file = fs::metadata(path).is_ok_and(|found| found.is_file() && found.len() > 0);
+    let is_record = |text: String| {
+        let found: Json = serde_json::from_str(&text).unwrap_or_default();
+        found.get("format").is_some_and(Json::is_number) && found.get("stages").is_some_and(Json::is_array)
+    };
+    is_file && !bounded::text(path, bounded::RECORD).is_ok_and(is_record)
 }
 
 /// The expensive stages of a run; all others are made again in seconds.

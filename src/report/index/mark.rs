@@ -27,6 +27,11 @@ pub enum Flaw {
     OutOfDate,
 }
 
+/// Whether a page is an index, unchanged or not.
+pub fn is_index(text: &str) -> bool {
+    text.contains(&format!("\n{BEGIN}")) || SENTENCES.iter().any(|sentence| text.contains(sentence))
+}
+
 /// What is wrong with an index; `None` if it is unchanged and current, and for pages not written by
 /// specforge.
 pub fn flaw(text: &str, records: &BTreeMap<String, String>) -> Option<Flaw> {
