@@ -137,7 +137,11 @@ fn a_stage_runs_by_itself_from_a_saved_plan_once_its_inputs_are_there() {
         command.args(["stage", word, "--plan"]).arg(&plan);
         command
     };
-    stage("motion").assert().code(4).stderr(contains("its input `robot` is not in the store"));
+    let advice = format!("--plan {}", plan.display());
+    let told = stage("motion").assert().code(4).stderr(contains("its input `robot` is not in the store"));
+    let told = String::from_utf8_lossy(&told.get_output().stderr).into_owned();
+    assert!(told.contains("run it first: `specforge stage ") && told.contains(&advice), "{told}");
+    assert!(!told.contains("--only") && !told.contains("--from"), "{told}");
     stage("robot").assert().success();
     stage("motion").assert().success();
     stage("learner").assert().code(2).stderr(contains("more than one stage"));

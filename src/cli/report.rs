@@ -139,7 +139,8 @@ fn execute(study: &Study, store: &Store, destination: Destination, global: &Glob
     let plan = &study.plan;
     let selected = plan.stages().filter(|stage| stage.kind == StageKind::Report);
     let selected: BTreeSet<_> = selected.map(|stage| stage.fingerprint.clone()).collect();
-    let settings = exec::Options { jobs: 1, keep_going: true, selected, reasons: Default::default() };
+    let settings =
+        exec::Options { jobs: 1, keep_going: true, selected, reasons: Default::default(), single: None };
     let workshop = Workshop { plan, store, works: &works, events: events.as_ref(), interrupt: &interrupt };
     let outcome = match exec::run(&workshop, &settings) {
         Ok(outcome) => outcome,

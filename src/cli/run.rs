@@ -114,7 +114,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     output::note(global, &note);
     let jobs = options.jobs.map_or_else(cores, usize::from);
     let reasons = statuses.iter().map(|(key, status)| (key.clone(), render::reasons(status))).collect();
-    let settings = exec::Options { jobs, keep_going: !options.fail_fast, selected, reasons };
+    let settings = exec::Options { jobs, keep_going: !options.fail_fast, selected, reasons, single: None };
     let destination = Destination { folder: &folder, own: &own };
     let task = Task { study: &study, store: &store, settings: &settings, destination, start };
     execute(&task, &interrupt, global)

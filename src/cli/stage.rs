@@ -54,6 +54,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         keep_going: true,
         selected: keys,
         reasons: Default::default(),
+        single: Some(options.plan.clone()),
     };
     interrupt.work();
     let store = match study::store(&study, global) {

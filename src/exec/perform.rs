@@ -248,9 +248,7 @@ impl Workshop<'_> {
                     return Err(WorkError::Failed {
                         code: None,
                         message: format!("its input `{role}` ({}) is not in the store", key.short()),
-                        help: Some(format!(
-                            "run the stage `{role}` first, or run without `--only` and `--from`"
-                        )),
+                        help: Some(format!("run the stage `{role}` first")),
                     });
                 }
                 Cached::Damaged(reason) => {

@@ -21,6 +21,7 @@ use super::marker::{self, Identity};
 use super::meter::Meter;
 use super::perform::{Ending, Order, Workshop};
 use super::work::{Failure, Threads as Share, WorkError};
+use crate::escape::shell;
 use crate::plan::stage::Threads;
 use crate::plan::{Fingerprint, Stage, StageKind};
 
@@ -38,6 +39,8 @@ pub struct Options {
     pub selected: BTreeSet<Fingerprint>,
     /// Why each stage runs, for its first event.
     pub reasons: BTreeMap<Fingerprint, Vec<String>>,
+    /// The saved plan of which the user runs a single stage, with `specforge stage`.
+    pub single: Option<PathBuf>,
 }
 
 /// The result of a run.
@@ -267,7 +270,14 @@ impl<'a> Board<'a> {
         let error = WorkError::Failed {
             code: None,
             message: format!("its input `{}` is not in the store and was not selected", plan.label(input)),
-            help: Some("run without `--only` and `--from`, or select the input too".into()),
+            help: Some(match &self.options.single {
+                None => "run without `--only` and `--from`, or select the input too".to_owned(),
+                Some(file) => format!(
+                    "run it first: `specforge stage {} --plan {}`",
+                    input.fingerprint.short(),
+                    shell::argument(file)
+                ),
+            }),
         };
         self.failed(stage, self.workshop.failure(stage, &error));
     }

@@ -106,7 +106,8 @@ impl Study {
         let works = works::works(self);
         let workshop = Workshop { plan: &self.plan, store, works: &works, events, interrupt };
         let selected = self.plan.stages().map(|stage| stage.fingerprint.clone()).collect();
-        let settings = exec::Options { jobs, keep_going: true, selected, reasons: Default::default() };
+        let settings =
+            exec::Options { jobs, keep_going: true, selected, reasons: Default::default(), single: None };
         let outcome = exec::run(&workshop, &settings)?;
         let is_whole = outcome.failures.is_empty() && outcome.skipped.is_empty() && !outcome.interrupted;
         let Some(artefact) = outcome.report.as_ref().filter(|_| is_whole) else { return Ok(None) };

@@ -75,7 +75,8 @@ pub fn ready<'a>(
     let plan = study.plan.clone().reported_as(&choice.name)?;
     let reports = plan.stages().filter(|stage| stage.kind == StageKind::Report);
     let selected: BTreeSet<_> = reports.map(|stage| stage.fingerprint.clone()).collect();
-    let settings = exec::Options { jobs: 1, keep_going: true, selected, reasons: Default::default() };
+    let settings =
+        exec::Options { jobs: 1, keep_going: true, selected, reasons: Default::default(), single: None };
     let outcome = exec::run(&Workshop { plan: &plan, ..*workshop }, &settings)?;
     match outcome.report {
         Some(artefact) => Ok(Ready { publisher, name: choice.name, artefact, _lease: outcome.lease }),

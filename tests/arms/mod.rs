@@ -182,7 +182,7 @@ pub struct Ran {
 /// Options for a run over everything.
 pub fn options(plan: &Plan, jobs: usize) -> Options {
     let selected = plan.stages().map(|stage| stage.fingerprint.clone()).collect();
-    Options { jobs, keep_going: true, selected, reasons: BTreeMap::new() }
+    Options { jobs, keep_going: true, selected, reasons: BTreeMap::new(), single: None }
 }
 
 /// Runs a plan with a fake work.
