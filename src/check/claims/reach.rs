@@ -288,11 +288,11 @@ impl Best<'_> {
         }
     }
 
-    /// The end of the range from which a number in `expect` must differ, so that values beyond it exist:
-    /// `below 100 %`. `None` for claims without a number.
+    /// The end of the range from which a number in `expect` must differ, so that values beyond it and its
+    /// `margin` exist: `below 100 %`. `None` for claims without a number, and where no number is far enough.
     fn room(&self) -> Option<String> {
         let Operand::Number(_) = self.claim.expect.right else { return None };
-        let range = self.range();
+        let (range, region) = (self.range(), self.region());
         let (word, end) = match (self.claim.expect.relation, self.negated) {
             (Relation::Equal, _) => return None,
             (Relation::Greater | Relation::AtLeast, false) | (Relation::Less | Relation::AtMost, true) => {
@@ -300,7 +300,26 @@ impl Best<'_> {
             }
             _ => ("above", range.low),
         };
-        Some(format!("{word} {}", in_unit(end, self.claim, self.metric)))
+        // The boundary lies beyond the number by the margin, or before it.
+        let number = end + region.centre() - region.boundary();
+        let is_possible = range.low < number && number < range.high;
+        (number == end || is_possible).then(|| format!("{word} {}", in_unit(number, self.claim, self.metric)))
+    }
+
+    /// The `margin` below which results on the other side of the boundary exist: `below 10 %`. `None` without
+    /// a margin, and where none is small enough.
+    fn room_for_the_margin(&self) -> Option<String> {
+        self.claim.margin.as_ref()?;
+        if self.statistic.method == Method::ProbabilityOfImprovement {
+            return None;
+        }
+        let (range, centre) = (self.range(), self.region().centre());
+        let most = match self.claim.expect.relation {
+            Relation::AtLeast if self.negated => centre - range.low,
+            Relation::AtMost if self.negated => range.high - centre,
+            _ => return None,
+        };
+        (most > 0.0).then(|| format!("below {}", in_unit(most, self.claim, self.metric)))
     }
 
     /// W1001: no data can contradict the claim.
@@ -310,16 +329,19 @@ impl Best<'_> {
         let warning =
             at(self.claim, "expect", Diagnostic::warning("W1001", message), "nothing contradicts it");
         let enough = self.episodes.filter(|_| self.counts()).and_then(|episodes| self.enough(episodes));
-        match (enough, self.room()) {
-            (Some(enough), _) => {
+        let purpose = "for the smallest effect that the claim is about";
+        warning.help(match (enough, self.room(), self.room_for_the_margin()) {
+            (Some(enough), _, _) => {
                 let stage = &self.claim.metric.stage;
-                warning.help(format!("give `{stage}` {enough} episodes or more, or expect more"))
+                format!("give `{stage}` {enough} episodes or more, or expect more")
             }
-            (None, Some(room)) => warning.help(format!(
-                "expect more: write a number {room}, for the smallest effect that the claim is about"
-            )),
-            (None, None) => warning.help("expect more: state the smallest effect that the claim is about"),
-        }
+            (None, Some(room), None) => format!("expect more: write a number {room}, {purpose}"),
+            (None, Some(room), Some(margin)) => {
+                format!("expect more: write a number {room}, or a `margin` {margin}, {purpose}")
+            }
+            (None, None, Some(margin)) => format!("expect more: write a `margin` {margin}, {purpose}"),
+            (None, None, None) => "expect more: state the smallest effect that the claim is about".to_owned(),
+        })
     }
 
     fn warning(&self) -> Diagnostic {

@@ -221,6 +221,23 @@ fn too_few_seeds_are_e0805_and_one_seed_is_w0504_unless_claims_count() {
 }
 
 #[test]
+fn the_advice_for_a_claim_that_can_only_pass_counts_its_margin() {
+    let with = |expect: &str, margin: &str| {
+        let claim = share(expect).replace("wilson", "welch");
+        one(&format!("{claim}margin = \"{margin}\"\n"), 3)
+    };
+    let (code, _, help) = with("a >= 10 %", "50 %");
+    let told = "write a number above 50 %, or a `margin` below 10 %";
+    assert!(code == "W1001" && help.contains(told), "{help}");
+    assert!(with("a <= 90 %", "50 %").2.contains("write a number below 50 %, or a `margin` below 10 %"));
+    assert!(with("a >= 0 %", "50 %").2.contains("write a number above 50 %,"), "no margin is small enough");
+    for (expect, margin) in [("a >= 51 %", "50 %"), ("a >= 10 %", "9 %")] {
+        let claim = format!("{}margin = \"{margin}\"\n", share(expect).replace("wilson", "welch"));
+        assert!(found(&claim, 3).iter().all(|told| told.0 != "W1001"), "{expect}, {margin}");
+    }
+}
+
+#[test]
 fn a_claim_that_can_only_pass_is_w1001() {
     is(one(&share("a >= 0 %").replace("wilson", "welch"), 3), ["W1001", "\"a >= 0 %\"", "smallest effect"]);
     is(
