@@ -7,6 +7,7 @@ use super::deviations;
 use super::figure::{self, Figure};
 use super::headline;
 use super::model::ReportInput;
+use super::no_curve;
 use super::suite::{self, page::SuitePage};
 use super::table::{Table, endings, evaluation, health, learning, provenance, setup};
 use super::warning::warnings;
@@ -37,6 +38,8 @@ pub struct Page {
     pub tables: Tables,
     /// The figures.
     pub figures: Figures,
+    /// Why there is no figure of learning curves; empty if there is one.
+    pub no_learning_curve: String,
     /// The suite; empty for other reports.
     pub suite: SuitePage,
     /// The claims with their verdicts; may be empty.
@@ -166,6 +169,7 @@ impl Page {
                 tables(input, figures)
             },
             figures: figure_set(input, figures),
+            no_learning_curve: no_curve::reason(input, figures),
             suite: SuitePage::new(input),
             claims: claim::table(&judged),
             claim_sentences: claim::sentences(&judged),

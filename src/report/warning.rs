@@ -5,9 +5,9 @@ use super::crossing;
 use super::model::{Arm, ReportInput, Update};
 use super::table::health::shown;
 use super::table::setup::{budget_samples, learning_samples};
+use super::untrained;
 use super::verdict::{judge, stands_still};
 use super::wording::{count, labels, number};
-use crate::kinds::learn::Ppo;
 use crate::kinds::pretrain::Pretraining;
 use crate::kinds::reward::Rewards;
 use crate::spec::section;
@@ -131,17 +131,9 @@ fn rewards(input: &ReportInput) -> Option<String> {
 
 fn of_learning(arm: &Arm, name: &str) -> Vec<String> {
     let mut found = Vec::new();
-    if let (Some(last), Some(warm_up)) = (arm.updates.last(), arm.section().at(Ppo::warm_up))
-        && last.update < warm_up
-    {
-        let what = if arm.kind::<Pretraining>().is_empty() {
-            "an untrained network"
-        } else {
-            "the pre-trained network"
-        };
-        found.push(format!(
-            "{name}: the policy learned nothing, all updates were the critic's warm-up: this is {what}."
-        ));
+    if untrained::is_untrained(arm) {
+        let (cause, what) = (untrained::cause(arm), untrained::network(arm));
+        found.push(format!("{name}: the policy learned nothing (`W0508`), {cause}: this is {what}."));
     }
     if learning_samples(arm) == Some(0) {
         let network = if arm.kind::<Pretraining>().is_empty() {
@@ -247,8 +239,9 @@ mod tests {
     #[test]
     fn a_policy_that_was_only_warmed_up_is_told() {
         assert!(
-            of(vec![trained(3, 3)])
-                .contains("walk: the policy learned nothing, all updates were the critic's warm-up")
+            of(vec![trained(3, 3)]).contains(
+                "walk: the policy learned nothing (`W0508`), all updates were the critic's warm-up"
+            )
         );
         assert!(!of(vec![trained(3, 2)]).contains("learned nothing"));
     }

@@ -8,7 +8,7 @@ use crate::report::table::health::shown;
 use crate::report::table::setup::{budget_samples, trained_samples};
 use crate::report::verdict::stands_still;
 use crate::report::wording::{count, number};
-use crate::report::{crossing, tasks};
+use crate::report::{crossing, tasks, untrained};
 
 /// Most runs that are listed by name.
 const NAMED: usize = 8;
@@ -19,6 +19,7 @@ pub fn warnings(input: &ReportInput) -> Vec<String> {
     let mut warnings = failures(input);
     warnings.extend(groups.iter().flat_map(explosions));
     warnings.extend(groups.iter().filter_map(standing_still));
+    warnings.extend(groups.iter().filter_map(never_updated));
     warnings.extend(unwell(&groups));
     warnings.extend(crossing::warnings(&input.arms.iter().collect::<Vec<_>>()));
     warnings.push(seeds(&groups));
@@ -77,6 +78,20 @@ fn standing_still(group: &Group<'_>) -> Option<String> {
             group.runs.len()
         )
     })
+}
+
+/// W0508: the trainings of an arm that never updated the actor.
+fn never_updated(group: &Group<'_>) -> Option<String> {
+    let runs = || group.runs.iter().filter(|run| untrained::is_untrained(run));
+    let first = runs().next()?;
+    Some(format!(
+        "{}: {} of {} trainings never updated the actor (`W0508`), {}: the policy is {}.",
+        group.name,
+        runs().count(),
+        group.runs.len(),
+        untrained::cause(first),
+        untrained::network(first)
+    ))
 }
 
 fn unwell(groups: &[Group<'_>]) -> Option<String> {
