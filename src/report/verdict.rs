@@ -68,6 +68,12 @@ pub fn too_short(arm: &Arm, evaluation: &Evaluation) -> Option<String> {
     })
 }
 
+/// Why the survivors of an evaluation's episodes cannot be judged; `None` if they can, or if all fell.
+pub fn too_short_for_survivors(arm: &Arm, evaluation: &Evaluation) -> Option<String> {
+    let is_survived = evaluation.episodes.iter().any(|episode| episode.survived);
+    too_short(arm, evaluation).filter(|_| is_survived)
+}
+
 /// The commanded speed of an evaluation in m/s: its command, the mean of its episodes' commands, or the
 /// reference motion's own speed.
 pub fn asked_speed(arm: &Arm, evaluation: &Evaluation) -> Option<f64> {
@@ -115,8 +121,7 @@ pub fn judge(arm: &Arm, evaluation: &Evaluation) -> Verdict {
 /// Whether an evaluation meets all criteria of the arm's task except survival; `None` if its episodes are too
 /// short to judge those that survive.
 pub fn does_but_for_survival(arm: &Arm, evaluation: &Evaluation) -> Option<bool> {
-    let is_survived = evaluation.episodes.iter().any(|episode| episode.survived);
-    if is_survived && too_short(arm, evaluation).is_some() {
+    if too_short_for_survivors(arm, evaluation).is_some() {
         return None;
     }
     Some(judge(arm, evaluation).criteria.iter().skip(1).all(|criterion| criterion.holds))

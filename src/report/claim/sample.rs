@@ -10,6 +10,7 @@ use crate::report::comparison::are_paired;
 use crate::report::model::Arm;
 use crate::report::source::Source;
 use crate::report::suite::failures;
+use crate::report::untrained;
 use crate::report::verdict;
 use crate::spec::claim::cases::{alternative, twin};
 use crate::spec::claim::{Case, Claim, Over, Points, cases};
@@ -49,7 +50,10 @@ pub fn samples(claim: &Claim, (metric, unit): (&MetricKind, Unit), arms: &[Obser
         [left, right.filter(|_| claim.sides.len() == 2)].into_iter().flatten().collect()
     };
     let mut collector = Collector { claim, metric, arms, found: Samples::default() };
-    cases.iter().for_each(|case| collector.lack_a_difference(case));
+    for case in &cases {
+        collector.lack_a_difference(case);
+        collector.lack_a_training(case);
+    }
     let place = |case: &Case| {
         let point = alternative(claim, &points, case).unwrap_or_default();
         (case.label.clone(), point)
@@ -139,9 +143,26 @@ impl Collector<'_> {
         values
     }
 
-    /// The value of a run: its metric, relative to the baseline if the claim has one; `None` if not measured.
+    /// The value of a run: its metric, relative to the baseline if the claim has one; `None` if not measured
+    /// or not judged.
     fn value(&self, of: (&Observed, u64), run: &Arm) -> Option<f64> {
-        run_value(run, self.compared(of, run)?, self.claim, self.metric)
+        let compared = self.compared(of, run)?;
+        if self.unjudged(run, compared).is_some() {
+            return None;
+        }
+        run_value(run, compared, self.claim, self.metric)
+    }
+
+    /// Which evaluation of a run or of its baseline is too short for its survivors to be judged, and why: they
+    /// may be falling, and every metric of longer episodes may differ.
+    fn unjudged(&self, run: &Arm, compared: &Arm) -> Option<String> {
+        let told = |run: &Arm, stage: &str| {
+            let evaluation = evaluation_of(run, stage)?;
+            let reason = verdict::too_short_for_survivors(run, evaluation)?;
+            Some(format!("is not judged in `{stage}` ({reason})"))
+        };
+        let base = || told(compared, &self.claim.baseline.as_ref()?.stage);
+        told(run, &self.claim.metric.stage).or_else(base)
     }
 
     /// The baseline of a run: the run itself, or the run with the same seed in the twin arm; `None` if
@@ -170,9 +191,12 @@ impl Collector<'_> {
     }
 
     /// The value of each episode of a run, relative to the baseline if the claim has one; `None` if not
-    /// measured or if the episodes are not the same.
+    /// measured or not judged, or if the episodes are not the same.
     fn of_episodes(&self, of: (&Observed, u64), own: &Arm) -> Option<(Vec<f64>, Evaluation)> {
         let evaluation = self.evaluation(own)?;
+        if self.unjudged(own, self.compared(of, own)?).is_some() {
+            return None;
+        }
         let found = values(own, evaluation, self.metric)?;
         let Some(baseline) = &self.claim.baseline else { return Some((found, evaluation.clone())) };
         let other = self.compared(of, own)?;
@@ -204,6 +228,27 @@ impl Collector<'_> {
             let label = words.into_iter().flatten().collect::<Vec<_>>().join(",");
             let (alternative, sample) = (alternative.clone(), sample(evaluations));
             self.found.cases.push(Found { label, alternative, sample, sources });
+        }
+    }
+
+    /// Records when neither side of a case was ever updated and both did the same in every episode: the
+    /// policies are those that the trainings began with.
+    fn lack_a_training(&mut self, case: &Case) {
+        let Some(other) = case.b else { return };
+        let [one, other] = [&self.arms[case.a], &self.arms[other]];
+        let stage = &self.claim.metric.stage;
+        let alike = |own: &Arm, twin: &Arm| {
+            let episodes = |run| evaluation_of(run, stage).map(|evaluation| &evaluation.episodes);
+            let is_untrained = untrained::is_untrained(own) && untrained::is_untrained(twin);
+            is_untrained && episodes(own).is_some() && episodes(own) == episodes(twin)
+        };
+        let mut pairs = one.runs.iter().filter_map(|(seed, own)| Some((*own, run(other, *seed)?))).peekable();
+        if pairs.peek().is_some() && pairs.all(|(own, twin)| alike(own, twin)) {
+            self.found.missing.push(format!(
+                "the policies of {} and {} are the same, because they were never updated (`W0508`)",
+                code(&name(one.points)),
+                code(&name(other.points))
+            ));
         }
     }
 
@@ -244,10 +289,12 @@ impl Collector<'_> {
     }
 
     fn lack(&mut self, arm: &Observed, seed: u64) {
-        let stage = &self.claim.metric.stage;
-        self.found
-            .missing
-            .push(format!("{} with seed {seed} has no result of `{stage}`", code(&name(arm.points))));
+        let unjudged = || {
+            let own = run(arm, seed)?;
+            self.unjudged(own, self.compared((arm, seed), own)?)
+        };
+        let reason = unjudged().unwrap_or_else(|| format!("has no result of `{}`", self.claim.metric.stage));
+        self.found.missing.push(format!("{} with seed {seed} {reason}", code(&name(arm.points))));
     }
 }
 

@@ -1,10 +1,13 @@
 //! Tests the claims on synthetic runs with a known truth.
 
+use std::collections::BTreeMap;
+
 use super::*;
 use crate::diag::{Sink, Sources};
 use crate::evaluate::outcome::{Episode, Evaluation};
 use crate::report::model::{Measured, StageRecord, Update};
 use crate::report::table::{Cell, Row};
+use crate::spec::Value;
 use crate::spec::claim::{self, Claim};
 use crate::syntax::Item;
 
@@ -206,6 +209,63 @@ fn a_missing_run_is_said_and_leaves_the_claim_open() {
     assert_eq!((found.verdict, found.cases[0].n.as_slice()), (Ruling::NotEstablished, &[4, 5][..]));
     assert_eq!(found.missing, ["`control=torque` with seed 3 has no result of `evaluate.nominal`"]);
     assert!(sentences(std::slice::from_ref(found))[0].contains("with seed 3"));
+}
+
+#[test]
+fn an_evaluation_that_is_too_short_to_be_judged_leaves_every_claim_about_it_open() {
+    let with_limit = |counts: &[usize], limit: f64| -> Vec<Arm> {
+        let run = |count: &usize| {
+            let mut run = surviving(*count);
+            run.evaluations[0].evaluation.time_limit = limit;
+            run
+        };
+        counts.iter().map(run).collect()
+    };
+    let judge_with = |lines: &str, limit: f64, low: &[usize]| {
+        judged(&[claim(lines)], with_limit(HIGH, limit), with_limit(low, limit)).remove(0)
+    };
+    let tests = [
+        "expect = \"a > b\"",
+        "expect = \"b > a\"",
+        "expect = \"a > b\"\ntest = \"newcombe\"\nover = \"each\"",
+        "expect = \"a > 10 %\"\narm = \"control=torque\"\ntest = \"wilson\"",
+    ];
+    for lines in tests {
+        let long = judge_with(lines, 20.0, LOW);
+        assert!(long.missing.is_empty(), "{lines}: {:?}", long.missing);
+        let short = judge_with(lines, 0.304, LOW);
+        assert_eq!((short.verdict, short.p), (Ruling::NotEstablished, None), "{lines}");
+        let told = &short.missing[0];
+        let reason = "with seed 1 is not judged in `evaluate.nominal` (its episodes end after 0.304 s";
+        assert!(told.contains(reason) && !told.contains("no result"), "{lines}: {told}");
+    }
+    // Where every episode ended with a fall, a longer one would have ended, too.
+    let lines = "expect = \"a < 10 %\"\narm = \"control=position\"";
+    assert_eq!(judge_with(lines, 0.304, &[0; 5]).verdict, judge_with(lines, 20.0, &[0; 5]).verdict);
+}
+
+#[test]
+fn arms_that_were_never_trained_and_act_alike_leave_the_claim_open() {
+    let runs = |warm_up: u64, counts: &[usize]| -> Vec<Arm> {
+        let learn = BTreeMap::from([
+            ("kind".to_owned(), Value::Text("ppo".into())),
+            ("samples".to_owned(), Value::Count(1000)),
+            ("warm_up".to_owned(), Value::Count(warm_up)),
+        ]);
+        let run = |count: &usize| Arm {
+            fields: BTreeMap::from([("learn".to_owned(), Value::Table(learn.clone()))]),
+            ..surviving(*count)
+        };
+        counts.iter().map(run).collect()
+    };
+    let lines = "expect = \"a == b within 50 %\"";
+    let same = judged(&[claim(lines)], runs(10, HIGH), runs(10, HIGH)).remove(0);
+    assert_eq!(same.verdict, Ruling::NotEstablished);
+    assert!(same.missing[0].contains("never updated (`W0508`)"), "{:?}", same.missing);
+    for (warm_up, other) in [(0, HIGH), (10, &[18, 18, 18, 18, 18][..])] {
+        let found = judged(&[claim(lines)], runs(warm_up, HIGH), runs(10, other)).remove(0);
+        assert!(found.missing.is_empty(), "{:?}", found.missing);
+    }
 }
 
 #[test]
