@@ -8,7 +8,7 @@ use super::checker::Checker;
 use super::reference::{OnDemand, Reference};
 use super::{
     Subject, chain, check, corners, exports, height, issue, judging, overridden, parents, reference,
-    relative, seeds, simulated, terms,
+    relative, seeds, simulated, symmetry, terms,
 };
 use crate::diag::{Diagnostic, Severity, Sink, Sources, Span};
 use crate::kinds::motion;
@@ -153,6 +153,7 @@ pub(super) fn apply_rules(
     exports::transfers_have_a_policy(&subject, experiment, &mut rules);
     let mut reference = OnDemand { shipped: reference::shipped(experiment, vocabulary), make };
     reference::suits(&subject, &mut reference, &mut rules);
+    symmetry::motions_are_mirrored(&subject, &mut reference, &mut rules);
     reference::stays_apart(&subject, &mut reference, &mut rules);
     reference::stays_below_velocity_limits(&subject, &mut reference, &mut rules);
     corners::squats_are_smooth(&subject, &mut reference, &mut rules);

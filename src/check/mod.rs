@@ -42,6 +42,7 @@ mod softness;
 mod steps;
 mod subject;
 mod suite;
+mod symmetry;
 mod terms;
 mod weights;
 

@@ -12,7 +12,7 @@ use crate::kinds::action::{Action, PhaseAction};
 use crate::kinds::initial::Initial;
 use crate::kinds::learn::Ppo;
 use crate::kinds::learn::ppo::Critic;
-use crate::kinds::motion::{Frame, Motion};
+use crate::kinds::motion::{Frame, MIRROR_TOLERANCE, Motion};
 use crate::kinds::physics::{EngineName, Physics};
 use crate::kinds::task::Task;
 use crate::kinds::terrain::Ground;
@@ -24,8 +24,6 @@ use crate::spec::{Quantity, Section, Table, Value};
 
 /// Standard deviation of the phase action: a tenth of its range, as in the authors' code.
 const PHASE_DEVIATION: f64 = 0.1;
-/// Largest difference in rad between a motion and its mirror image half a cycle later.
-const MIRROR_TOLERANCE: f64 = 1e-3;
 
 /// Everything that defines an environment except the engine: the artefact of the stage `env`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -251,25 +249,12 @@ impl Blueprint {
             return Err(BlueprintError::Joints { motion, found, expected });
         }
         motion.check().map_err(|flaw| BlueprintError::Motion { motion: motion.name.clone(), flaw })?;
-        let difference = asymmetry(motion, &self.robot.mirror);
+        let difference = motion.asymmetry(&self.robot.mirror);
         if is_mirrored(Section::new(&self.fields)) && difference > MIRROR_TOLERANCE {
             return Err(BlueprintError::Asymmetric { motion: motion.name.clone(), difference });
         }
         Ok(())
     }
-}
-
-/// Largest difference in rad between a motion and its mirror image half a cycle later.
-fn asymmetry(motion: &Motion, mirror: &[(usize, f64)]) -> f64 {
-    let mut later = Frame::default();
-    let mut largest: f64 = 0.0;
-    for (index, frame) in motion.samples.iter().enumerate() {
-        motion.at(index as f64 / motion.samples.len() as f64 + 0.5, &mut later);
-        for (joint, &(image, sign)) in mirror.iter().enumerate() {
-            largest = largest.max((frame.position[joint] - sign * later.position[image]).abs());
-        }
-    }
-    largest
 }
 
 /// The motion of a robot standing in its default pose.

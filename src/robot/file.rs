@@ -2,7 +2,7 @@
 //!
 //! Works on decoded tables, not TOML; [`super::checks`] checks the finished model.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 
@@ -283,6 +283,7 @@ impl Reader<'_> {
     fn robot(&mut self, name: &str, file: &RobotFile) -> Option<Robot> {
         let base = self.body("base", &file.base.name, &file.base.body)?;
         let mut indices = BTreeMap::from([(base.name.clone(), None)]);
+        let mut joints = BTreeSet::new();
         let mut links = Vec::new();
         let mut complete = true;
         if let Some(issue) = checks::size(file.links.len()) {
@@ -298,6 +299,15 @@ impl Reader<'_> {
                     format!("{path}.name"),
                     format!("two bodies are called `{link_name}`"),
                     "give each body its own name",
+                ));
+                complete = false;
+            }
+            let joint_name = &keys.joint.name;
+            if !joints.insert(joint_name) {
+                self.issues.push(Issue::model(
+                    format!("{path}.joint.name"),
+                    format!("two joints are called `{joint_name}`"),
+                    "give each joint its own name",
                 ));
                 complete = false;
             }

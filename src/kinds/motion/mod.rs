@@ -67,6 +67,9 @@ pub fn kinds() -> Vec<&'static Kind> {
     KINDS.iter().map(|entry| entry.kind).collect()
 }
 
+/// Largest difference in rad up to which a motion counts as its own mirror image.
+pub const MIRROR_TOLERANCE: f64 = 1e-3;
+
 /// Why a motion does not fit a robot.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MotionError {
@@ -267,6 +270,20 @@ impl Motion {
             within("norm of a base orientation", libm::sqrt(norm), 0.99, 1.01)?;
         }
         Ok(())
+    }
+
+    /// Largest difference in rad between a joint and its mirror image half a cycle later. `mirror` has the index
+    /// and the sign of each joint's image; every sample must have as many joints.
+    pub fn asymmetry(&self, mirror: &[(usize, f64)]) -> f64 {
+        let mut later = Frame::default();
+        let mut largest: f64 = 0.0;
+        for (index, frame) in self.samples.iter().enumerate() {
+            self.at(index as f64 / self.samples.len() as f64 + 0.5, &mut later);
+            for (joint, &(image, sign)) in mirror.iter().enumerate() {
+                largest = largest.max((frame.position[joint] - sign * later.position[image]).abs());
+            }
+        }
+        largest
     }
 
     /// Writes the reference at a phase into `frame`, interpolated linearly between samples; the contacts are
