@@ -154,6 +154,100 @@ fn every_option_is_checked_as_the_key_that_it_stands_for() {
 }
 
 #[test]
+fn events_beyond_the_episode_are_refused_as_in_a_spec() {
+    let file = file(&policy().to_bytes());
+    let cases: [(&[&str], &str, &[&str]); 8] = [
+        (
+            &["--push", "impulse=60 N*s,duration=0.1 s,at=9 s", "--time-limit", "3 s"],
+            "E0512",
+            &[
+                "`at` of `--push` (9 s) is not before the end of the episode (`--time-limit`, 3 s)",
+                "never happens",
+            ],
+        ),
+        (
+            &["--push", "impulse=60 N*s,duration=0.1 s,at=2.95 s", "--time-limit", "3 s"],
+            "E0512",
+            &["part of the impulse is lost", "(`--time-limit`)"],
+        ),
+        (
+            &["--push", "impulse=60 N*s,duration=0.1 s,every=5 s", "--time-limit", "3 s"],
+            "E0512",
+            &["`every` of `--push` (5 s) is longer than the episode (`--time-limit`, 3 s)"],
+        ),
+        // Without a time limit, the task's own duration is the bound.
+        (
+            &["--push", "impulse=60 N*s,duration=0.1 s,at=900 s"],
+            "E0512",
+            &["`at` of `--push` (900 s)", "(`task.episode`, "],
+        ),
+        (
+            &["--terrain", "box_obstacle,height=1 cm,distance=60 m"],
+            "E0512",
+            &["`--terrain` is never reached"],
+        ),
+        (
+            &["--terrain", "box_obstacle,height=1 cm,distance=60 cm", "--command", "0"],
+            "E0512",
+            &["`--terrain` is never reached"],
+        ),
+        (
+            &["--terrain", "height_field,amplitude=1 cm,start=40 m", "--command", "0.1,0.3"],
+            "E0512",
+            &["`--terrain` is never reached"],
+        ),
+        (
+            &["--time-limit", "2.004 s"],
+            "E0506",
+            &["`--time-limit` (2.004 s) is not a whole number", "\"2 s\" and \"2.008 s\""],
+        ),
+    ];
+    for (arguments, code, words) in cases {
+        let output = evaluate(&file.path, &[arguments, &["--episodes", "1"]].concat());
+        let text = told(&output);
+        assert_eq!(output.status.code(), Some(3), "{arguments:?}: {text}");
+        assert_eq!(text.matches("error[").count(), 1, "{arguments:?}: {text}");
+        assert!(text.contains(&format!("error[{code}]")), "{arguments:?}: {text}");
+        assert!(words.iter().all(|words| text.contains(words)), "{arguments:?}: {text}");
+        assert!(!text.contains("evaluate."), "the option is named, not the key: {text}");
+    }
+}
+
+#[test]
+fn a_key_that_is_given_twice_is_refused() {
+    let file = file(&policy().to_bytes());
+    for (option, value, key) in [
+        ("--terrain", "slope,angle=20 deg,angle=0 deg", "angle"),
+        ("--terrain", "slope,kind=flat,angle=0 deg", "kind"),
+        ("--push", "impulse=60 N*s,duration=0.1 s,at=1 s,at=2 s", "at"),
+    ] {
+        let output = evaluate(&file.path, &[option, value, "--episodes", "1", "--time-limit", "4 s"]);
+        let text = told(&output);
+        assert_eq!(output.status.code(), Some(3), "{value}: {text}");
+        assert!(text.contains(&format!("error[E0104]: `{key}` is written twice")), "{text}");
+        assert!(text.contains(&format!("--> {option}:1:")), "{text}");
+    }
+}
+
+#[test]
+fn an_invalid_assignment_of_an_option_is_told_how_to_write_that_option() {
+    let file = file(&policy().to_bytes());
+    for (option, value, advice) in [
+        ("--push", "", "--push 'impulse="),
+        ("--push", "hard", "--push 'impulse="),
+        ("--push", "a b=1", "--push 'impulse="),
+        ("--terrain", "flat,flat", "--terrain 'slope,angle="),
+        ("--terrain", "slope,", "--terrain 'slope,angle="),
+    ] {
+        let output = evaluate(&file.path, &[&format!("{option}={value}")]);
+        let text = told(&output);
+        assert_eq!(output.status.code(), Some(3), "{value}: {text}");
+        assert!(text.contains("error[E0607]") && text.contains(advice), "{option} {value}: {text}");
+        assert!(!text.contains("--set"), "{option} {value}: {text}");
+    }
+}
+
+#[test]
 fn a_speed_for_a_policy_that_follows_none_is_refused() {
     let squat =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/policies/tocabi_squat_torque.safetensors");
@@ -401,7 +495,7 @@ mod engines {
     #[test]
     fn another_ground_is_felt_and_the_table_has_the_rows_of_a_report() {
         let file = file(&policy().to_bytes());
-        let short = ["--episodes", "2", "--time-limit", "500 ms", "--jobs", "1"];
+        let short = ["--episodes", "2", "--time-limit", "496 ms", "--jobs", "1"];
         let on = |ground: &str| {
             lines(&evaluate(&file.path, &[&short[..], &["--format", "json", "--terrain", ground]].concat()))
         };

@@ -61,6 +61,12 @@ pub fn check(subject: &Subject, sink: &mut Sink) {
     }
 }
 
+/// Applies the rules on the events and the time limit of one evaluation, the table at this path.
+pub fn evaluation(subject: &Subject, path: &str, sink: &mut Sink) {
+    steps::time_limit_is_whole_steps(subject, path, sink);
+    scheduled::evaluated_events_are_within_the_episode(subject, path, sink);
+}
+
 /// The rules in the order in which they report.
 const RULES: &[fn(&Subject, &mut Sink)] = &[
     rates::rates_divide_the_physics_rate,

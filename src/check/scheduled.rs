@@ -39,27 +39,54 @@ pub fn events_are_within_the_episode(subject: &Subject, sink: &mut Sink) {
         push(subject, &path, row, &trained, sink);
     }
     for (path, table) in subject.protocols() {
-        let Some(own) = limit(subject, Some((&path, table))) else { continue };
-        let table_of_rows = Spread::randomize.below(&path);
-        for (path, row) in rows(subject, &table_of_rows) {
-            push(subject, &path, row, &own, sink);
-        }
-        // The training's pushes in a shorter episode; those that the training lacks, too, are reported there.
-        if matches!(subject.value(&table_of_rows), Some(crate::spec::Value::Flag(true)))
-            && own.seconds < trained.seconds
-        {
-            for (path, row) in rows(subject, Rows::SECTION) {
-                let mut within = Sink::default();
-                push(subject, &path, row, &trained, &mut within);
-                if within.diagnostics.is_empty() {
-                    push(subject, &path, row, &own, sink);
-                }
-            }
-        }
+        evaluated_pushes(subject, &path, table, &trained, sink);
     }
     changes(subject, &trained, sink);
     graces(subject, &trained, sink);
-    grounds(subject, &trained, sink);
+    let own = |path: &str| path.strip_suffix(&format!(".{}", Ground::SECTION)).map(str::to_owned);
+    for path in subject.grounds() {
+        let protocol = own(&path);
+        let protocol =
+            protocol.and_then(|own| subject.protocols().into_iter().find(|(path, _)| *path == own));
+        let protocol = protocol.as_ref().map(|(path, table)| (path.as_str(), *table));
+        ground(subject, &path, protocol, sink);
+    }
+}
+
+/// The events of the evaluation at this path happen before its episodes end; those of the training are not
+/// checked.
+pub(super) fn evaluated_events_are_within_the_episode(subject: &Subject, path: &str, sink: &mut Sink) {
+    let (Some(trained), Some(table)) = (limit(subject, None), subject.section(path)) else { return };
+    evaluated_pushes(subject, path, table, &trained, sink);
+    ground(subject, &Setting::terrain.below(path), Some((path, table)), sink);
+}
+
+/// The pushes of an evaluation: its own, or those of the training.
+fn evaluated_pushes(subject: &Subject, path: &str, table: Section, trained: &Limit, sink: &mut Sink) {
+    let Some(own) = limit(subject, Some((path, table))) else { return };
+    for (path, row) in own_rows(subject, path) {
+        push(subject, &path, row, &own, sink);
+    }
+    // The training's pushes in a shorter episode; those that the training lacks, too, are reported there.
+    if repeats_training(subject, path) && own.seconds < trained.seconds {
+        for (path, row) in rows(subject, Rows::SECTION) {
+            let mut within = Sink::default();
+            push(subject, &path, row, trained, &mut within);
+            if within.diagnostics.is_empty() {
+                push(subject, &path, row, &own, sink);
+            }
+        }
+    }
+}
+
+/// The pushes of an evaluation's own table of randomizations.
+fn own_rows<'a>(subject: &Subject<'a>, protocol: &str) -> Vec<(String, Section<'a>)> {
+    rows(subject, &Spread::randomize.below(protocol))
+}
+
+/// Whether an evaluation has the randomization of the training.
+fn repeats_training(subject: &Subject, protocol: &str) -> bool {
+    matches!(subject.value(&Spread::randomize.below(protocol)), Some(crate::spec::Value::Flag(true)))
 }
 
 /// The time limit of the training (`None`) or of a protocol: its own, that of `evaluate.nominal` for a
@@ -193,36 +220,36 @@ fn graces(subject: &Subject, limit: &Limit, sink: &mut Sink) {
     }
 }
 
-/// What is special about a ground is within reach.
-fn grounds(subject: &Subject, trained: &Limit, sink: &mut Sink) {
-    let Some(robot) = subject.robot else { return };
-    let around = 2.0 * hip_height(robot);
+/// What is special about the ground at a path, that of the training or of an evaluation, is within reach.
+fn ground(subject: &Subject, path: &str, protocol: Option<(&str, Section)>, sink: &mut Sink) {
+    let (Some(robot), Some(ground)) = (subject.robot, subject.section(path)) else { return };
+    let Some(limit) = limit(subject, protocol) else { return };
     let task = Task::commanded(subject.spec()).map(|command| command.speed.bounds()[1]);
-    for path in subject.grounds() {
-        let Some(ground) = subject.section(&path) else { continue };
-        let protocol = path.strip_suffix(&format!(".{}", Ground::SECTION));
-        let protocol = protocol.and_then(|own| subject.protocols().into_iter().find(|(path, _)| path == own));
-        let limit = match &protocol {
-            Some((path, table)) => limit(subject, Some((path, *table))),
-            None => Some(trained.clone()),
-        };
-        let Some(limit) = limit else { continue };
-        let speed = protocol.as_ref().map_or(task, |(path, table)| fastest(subject, path, *table).or(task));
-        let reach = around + OVERSHOOT * speed.unwrap_or(0.0).max(0.0) * limit.seconds;
-        let Some((key, away, what)) = first_feature(&path, ground).filter(|(_, away, _)| *away > reach)
-        else {
-            continue;
-        };
-        let message = format!(
-            "{what} `{path}` is never reached: it begins {away:.1} m from the start, and {} at up to {} m/s take \
-             the robot {:.1} m",
-            duration(limit.seconds),
-            speed.unwrap_or(0.0),
-            speed.unwrap_or(0.0).max(0.0) * limit.seconds
-        );
-        let help = "write a shorter distance, a longer episode or a faster command";
-        report(subject, [&key, &limit.key], message, help, sink);
-    }
+    let speed = protocol.map_or(task, |(path, table)| fastest(subject, path, table).or(task));
+    let is_pushed = match protocol {
+        Some((path, _)) if !repeats_training(subject, path) => !own_rows(subject, path).is_empty(),
+        _ => !rows(subject, Rows::SECTION).is_empty(),
+    };
+    // Without a forward command and without pushes, a robot reaches as far as its soles.
+    let around = match speed {
+        Some(speed) if speed <= 0.0 && !is_pushed => {
+            robot.feet.iter().map(|foot| 2.0 * foot.half_extents.x).fold(0.0, f64::max)
+        }
+        _ => 2.0 * hip_height(robot),
+    };
+    let speed = speed.unwrap_or(0.0);
+    let reach = around + OVERSHOOT * speed.max(0.0) * limit.seconds;
+    let Some((key, away, what)) = first_feature(path, ground).filter(|(_, away, _)| *away > reach) else {
+        return;
+    };
+    let message = format!(
+        "{what} `{path}` is never reached: it begins {away:.1} m from the start, and {} at up to {speed} m/s take \
+         the robot {:.1} m",
+        duration(limit.seconds),
+        speed.max(0.0) * limit.seconds
+    );
+    let help = "write a shorter distance, a longer episode or a faster command";
+    report(subject, [&key, &limit.key], message, help, sink);
 }
 
 /// The fastest command of a protocol in m/s, if it has its own.
@@ -388,6 +415,16 @@ mod tests {
             .len()
         };
         assert_eq!(["0.1", "1.0"].map(evaluated), [1, 0]);
+        // A robot that is told to stand gets no further than its soles, unless it is pushed.
+        let standing = |more: &str| {
+            said(&format!(
+                "[evaluate.box]\nkind = \"episodes\"\ncommand = {{ speed = 0.0 }}\n[evaluate.box.terrain]\nkind = \
+                 \"box_obstacle\"\nfriction = 1.0\nheight = 0.01\nlength = 0.4\ndistance = 0.6\n{more}"
+            ))
+            .len()
+        };
+        let pushed = format!("[evaluate.box.randomize.push]\n{}", push("duration = 0.1"));
+        assert_eq!(["", &pushed].map(standing), [1, 0]);
         let field = |start: &str| {
             said(&format!(
                 "[terrain]\nkind = \"height_field\"\nfriction = 1.0\namplitude = 0.02\ncell = 0.1\nlength = \

@@ -18,7 +18,14 @@ pub fn times_are_whole_steps(subject: &Subject, sink: &mut Sink) {
     counted(subject, &Walk::episode.path(), step, sink);
     counted(subject, &Command::every.below(&Walk::command.path()), step, sink);
     for (protocol, _) in subject.protocols() {
-        counted(subject, &Setting::time_limit.below(&protocol), step, sink);
+        time_limit_is_whole_steps(subject, &protocol, sink);
+    }
+}
+
+/// The time limit of the evaluation at this path is a whole number of control steps.
+pub(super) fn time_limit_is_whole_steps(subject: &Subject, protocol: &str, sink: &mut Sink) {
+    if let Some(step) = subject.control_step() {
+        counted(subject, &Setting::time_limit.below(protocol), step, sink);
     }
 }
 

@@ -7,12 +7,29 @@ use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 /// Parses an assignment. The value is TOML; anything else is taken as a string, so that `--set
 /// action.kind=torque` and `--set "action.std=10 %"` need no inner quotes.
 pub fn assignment(argument: &str, sources: &mut Sources, sink: &mut Sink) -> Option<Map> {
-    assignment_of("--set", argument, sources, sink)
+    assignment_of(&SET, argument, sources, sink)
 }
 
-/// The same for an option that sets a key; messages refer to the option.
-pub fn assignment_of(option: &str, argument: &str, sources: &mut Sources, sink: &mut Sink) -> Option<Map> {
-    let source = sources.add(option, argument);
+/// An option of the command line whose value has assignments.
+#[derive(Clone, Copy, Debug)]
+pub struct Assigning<'a> {
+    /// Its name, `--set`, which stands for a file in messages.
+    pub option: &'a str,
+    /// The help for an invalid assignment: how to write the option.
+    pub usage: &'a str,
+}
+
+const SET: Assigning =
+    Assigning { option: "--set", usage: "write `--set path=value`, for example `--set learn.seed=2`" };
+
+/// The same for any option; messages refer to it.
+pub fn assignment_of(
+    option: &Assigning,
+    argument: &str,
+    sources: &mut Sources,
+    sink: &mut Sink,
+) -> Option<Map> {
+    let source = sources.add(option.option, argument);
     let whole = Span { source, start: 0, end: argument.len() };
     let Some(equals) = argument.find('=') else {
         let error = Diagnostic::error(
@@ -23,7 +40,7 @@ pub fn assignment_of(option: &str, argument: &str, sources: &mut Sources, sink: 
             ),
         )
         .at(whole, "`=` is missing");
-        sink.emit(error.help("write `--set path=value`, for example `--set learn.seed=2`"));
+        sink.emit(error.help(option.usage));
         return None;
     };
     let mut keys = Vec::new();
@@ -34,7 +51,9 @@ pub fn assignment_of(option: &str, argument: &str, sources: &mut Sources, sink: 
         if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-')) {
             let path = Span { source, start: 0, end: equals };
             sink.emit(
-                Diagnostic::error("E0607", "invalid path of an assignment: join keys by dots").at(path, ""),
+                Diagnostic::error("E0607", "invalid path of an assignment: join keys by dots")
+                    .at(path, "")
+                    .help(option.usage),
             );
             return None;
         }

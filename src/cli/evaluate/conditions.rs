@@ -4,21 +4,27 @@
 use std::sync::Arc;
 
 use super::Options;
+use crate::check::{self, Subject};
 use crate::cli::specs::Findings;
 use crate::deploy::{Policy, Transfer};
 use crate::diag::{Diagnostic, Sink, Sources, Span};
 use crate::env::{Blueprint, BlueprintError, Randomized};
 use crate::evaluate::{Condition, Protocol};
+use crate::kinds::evaluate::{Setting, Spread};
 use crate::kinds::task::{Task, Walk};
 use crate::kinds::{deploy, randomize::push, terrain};
 use crate::spec::decode::{self, Decoder, Registry};
 use crate::spec::typed::{Declared, Keys, Typed};
-use crate::spec::{Param, Section, Table, Value};
-use crate::syntax::assign::assignment_of;
+use crate::spec::{Marks, Param, Quantity, Section, Table, Value};
+use crate::syntax::assign::{Assigning, assignment_of};
 use crate::syntax::{Item, Layer, Map, Node};
 
 /// Physics rate in Hz in engines that the policy was not trained in, unless the user names one.
 const OTHER_RATE: f64 = 2000.0;
+
+/// The options as the table of an evaluation, `evaluate.options`.
+const SECTION: &str = "evaluate";
+const TABLE: &str = "options";
 
 /// What to evaluate.
 pub struct Conditions {
@@ -35,6 +41,9 @@ pub fn read(options: &Options, mut policy: Policy) -> Result<(Policy, Conditions
         policy.blueprint = blueprint;
     }
     let conditions = desk.conditions(options, &policy.blueprint);
+    if conditions.is_some() && !desk.sink.has_errors() {
+        desk.check(&policy.blueprint);
+    }
     match conditions.filter(|_| !desk.sink.has_errors()) {
         Some(conditions) => Ok((policy, conditions)),
         None => Err(Box::new(Findings::of(desk.sources, desk.sink.diagnostics))),
@@ -46,6 +55,10 @@ pub fn read(options: &Options, mut policy: Policy) -> Result<(Policy, Conditions
 struct Desk {
     sources: Sources,
     sink: Sink,
+    /// The values of the options by their keys in an evaluation's table.
+    table: Table,
+    /// The places of the values, by their paths in a spec.
+    marks: Marks,
 }
 
 impl Desk {
@@ -56,13 +69,56 @@ impl Desk {
         let params: &'static [Param] = deploy::Transfer::PARAMS;
         let param = params.iter().find(|param| param.name == key).expect("a transfer has the key");
         let node = Node { span, layer: Layer::Set, item: Item::Table(map) };
-        decode::table(&node, std::slice::from_ref(param), &mut self.sink)?.table.remove(key)
+        let mut decoded = decode::table(&node, std::slice::from_ref(param), &mut self.sink)?;
+        let value = decoded.table.remove(key)?;
+        self.record(key, value.clone(), decoded.marks, "");
+        Some(value)
+    }
+
+    /// Keeps a value for the checks, with its marks below a table of the evaluation's table.
+    fn record(&mut self, key: &str, value: Value, marks: Marks, below: &str) {
+        self.table.insert(key.to_owned(), value);
+        let placed = marks.by_path.into_iter();
+        self.marks
+            .by_path
+            .extend(placed.map(|(path, mark)| (format!("{SECTION}.{TABLE}.{below}{path}"), mark)));
+    }
+
+    /// Checks the options as the table of an evaluation in the policy's spec.
+    fn check(&mut self, blueprint: &Blueprint) {
+        let mut fields = blueprint.fields.clone();
+        let options = Table::from([(TABLE.to_owned(), Value::Table(self.table.clone()))]);
+        fields.insert(SECTION.to_owned(), Value::Table(options));
+        let subject = Subject { fields: &fields, marks: &self.marks, robot: Some(&blueprint.robot) };
+        let mut found = Sink::default();
+        check::evaluation(&subject, &format!("{SECTION}.{TABLE}"), &mut found);
+        for mut diagnostic in found.diagnostics {
+            diagnostic.message = with_options(&diagnostic.message);
+            diagnostic.help.iter_mut().for_each(|help| *help = with_options(help));
+            self.sink.emit(diagnostic);
+        }
     }
 
     fn assigned(&mut self, option: &str, argument: &str) -> Option<(Map, Span)> {
-        let map = assignment_of(option, argument, &mut self.sources, &mut self.sink)?;
+        let assigning = Assigning { option, usage: usage(option) };
+        let map = assignment_of(&assigning, argument, &mut self.sources, &mut self.sink)?;
         let span = map.entries.values().next()?.key;
         Some((map, span))
+    }
+
+    /// Adds an assignment to a table that lacks its key; the place of the key.
+    fn add(&mut self, table: &mut Map, option: &str, argument: &str) -> Option<Span> {
+        let (map, span) = self.assigned(option, argument)?;
+        for (key, entry) in map.entries {
+            if let Some(first) = table.entries.get(&key) {
+                let twice = Diagnostic::error("E0104", format!("`{key}` is written twice"))
+                    .at(entry.key, "again here");
+                self.sink.emit(twice.note(first.key, "first written here").help("keep one of the two"));
+                return None;
+            }
+            table.entries.insert(key, entry);
+        }
+        Some(span)
     }
 
     fn number(&mut self, option: &str, path: &str, text: &str) -> Option<f64> {
@@ -96,7 +152,10 @@ impl Desk {
         let commands = self.commands(options, blueprint);
         let randomized = match &options.push {
             Some(text) => push(text, self),
-            None if options.randomize => Some(Randomized::AsTrained),
+            None if options.randomize => {
+                self.record(Spread::randomize.name, Value::Flag(true), Marks::default(), "");
+                Some(Randomized::AsTrained)
+            }
             None => Some(Randomized::Nothing),
         };
         let condition = Condition { randomized: randomized?, ..Condition::default() };
@@ -152,7 +211,14 @@ impl Desk {
         }
         let number = |speed: &String| self.number("--command", "command.speed", &with_unit(speed.trim()));
         let commands: Option<Vec<f64>> = options.command.iter().map(number).collect();
-        let commands: Vec<Option<f64>> = commands?.into_iter().map(Some).collect();
+        let commands = commands?;
+        // What the fastest reaches is reached.
+        if let Some(si) = commands.iter().copied().reduce(f64::max) {
+            let speed = Value::Quantity(Quantity { si, text: String::new() });
+            let command = Value::Table(Table::from([("speed".to_owned(), speed)]));
+            self.record("command", command, Marks::default(), "");
+        }
+        let commands: Vec<Option<f64>> = commands.into_iter().map(Some).collect();
         Some(if commands.is_empty() { vec![None] } else { commands })
     }
 }
@@ -162,19 +228,53 @@ fn with_unit(speed: &str) -> String {
     if speed.parse::<f64>().is_ok() { format!("{speed} m/s") } else { speed.to_owned() }
 }
 
+/// A message about the table of the options, with the options in place of the keys.
+fn with_options(message: &str) -> String {
+    let prefix = format!("`{SECTION}.{TABLE}.");
+    let mut parts = message.split(&prefix);
+    let mut text = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (path, rest) = part.split_once('`').unwrap_or((part, ""));
+        let tables = [("randomize.push", "--push"), (Setting::terrain.name, "--terrain")];
+        let below = |table: &str| path.strip_prefix(table).map(|key| key.trim_start_matches('.'));
+        let option = tables.into_iter().find_map(|(table, option)| Some((below(table)?, option)));
+        text += &match option {
+            Some(("", option)) => format!("`{option}`"),
+            Some((key, option)) => format!("`{key}` of `{option}`"),
+            None => format!("`--{}`", path.replace('_', "-")),
+        };
+        text += rest;
+    }
+    text
+}
+
+/// How to write an option with assignments; empty for others, which have no invalid ones.
+fn usage(option: &str) -> &'static str {
+    match option {
+        "--push" => "write `--push key=value,...`, for example `--push 'impulse=60 N*s,duration=0.1 s'`",
+        "--terrain" => "write `--terrain kind,key=value,...`, for example `--terrain 'slope,angle=3 deg'`",
+        _ => "",
+    }
+}
+
 /// A push in every episode: `impulse=60 N*s,duration=0.1 s,at=6 s`.
 fn push(text: &str, desk: &mut Desk) -> Option<Randomized> {
-    let mut row: Option<(Map, Span)> = None;
+    let (mut map, mut first) = (Map::default(), None);
     for part in text.split(',') {
-        let (map, span) = desk.assigned("--push", part.trim())?;
-        row.get_or_insert((Map::default(), span)).0.entries.extend(map.entries);
+        let span = desk.add(&mut map, "--push", part.trim())?;
+        first.get_or_insert(span);
     }
-    let (map, span) = row?;
+    let span = first?;
     let node = Node { span, layer: Layer::Set, item: Item::Table(map) };
     let registry =
         Registry { noun: "randomization", kinds: &[push::Pushes::KIND], extra: &[], reserved: &[] };
-    let row = Decoder::new(&mut desk.sink).of_kind(&node, &registry, "push", Some(("push", span)))?;
-    Some(Randomized::By(Arc::new(Table::from([("push".to_owned(), Value::Table(row))]))))
+    let mut decoder = Decoder::new(&mut desk.sink);
+    let row = decoder.of_kind(&node, &registry, "push", Some(("push", span)))?;
+    let marks = decoder.marks;
+    let rows = Table::from([("push".to_owned(), Value::Table(row))]);
+    let randomize = Spread::randomize.name;
+    desk.record(randomize, Value::Table(rows.clone()), marks, &format!("{randomize}."));
+    Some(Randomized::By(Arc::new(rows)))
 }
 
 /// The environment of a policy on another ground, `slope,angle=3 deg`; the policy's friction is used unless
@@ -192,15 +292,18 @@ fn ground(text: &str, policy: &Policy, desk: &mut Desk) -> Option<Blueprint> {
         return None;
     }
     for part in parts {
-        table.entries.extend(desk.assigned("--terrain", part)?.0.entries);
+        desk.add(&mut table, "--terrain", part)?;
     }
     if !table.entries.contains_key("friction") {
         let own = policy.blueprint.part::<terrain::Ground>().friction();
-        table.entries.extend(desk.assigned("--terrain", &format!("friction={own:?}"))?.0.entries);
+        desk.add(&mut table, "--terrain", &format!("friction={own:?}"))?;
     }
     let node = Node { span, layer: Layer::Set, item: Item::Table(table) };
     let registry = Registry { noun: "terrain", kinds: terrain::KINDS, extra: &[], reserved: &["kind"] };
-    let decoded: Table = Decoder::new(&mut desk.sink).of_kind(&node, &registry, "terrain", None)?;
+    let mut decoder = Decoder::new(&mut desk.sink);
+    let decoded: Table = decoder.of_kind(&node, &registry, Setting::terrain.name, None)?;
+    let marks = decoder.marks;
+    desk.record(Setting::terrain.name, Value::Table(decoded.clone()), marks, "");
     match policy.blueprint.with_terrain(decoded) {
         Ok(blueprint) => Some(blueprint),
         Err(error) => {
