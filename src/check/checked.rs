@@ -153,7 +153,7 @@ pub(super) fn apply_rules(
     exports::transfers_have_a_policy(&subject, experiment, &mut rules);
     let mut reference = OnDemand { shipped: reference::shipped(experiment, vocabulary), make };
     reference::suits(&subject, &mut reference, &mut rules);
-    symmetry::motions_are_mirrored(&subject, &mut reference, &mut rules);
+    symmetry::motions_are_mirrored(&subject, file, &mut reference, &mut rules);
     reference::stays_apart(&subject, &mut reference, &mut rules);
     reference::stays_below_velocity_limits(&subject, &mut reference, &mut rules);
     corners::squats_are_smooth(&subject, &mut reference, &mut rules);
