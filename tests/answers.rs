@@ -53,6 +53,8 @@ fn every_failure_is_one_document_for_programs() {
     let at = |name: &str| folder.path().join(name).display().to_string();
     let (store, absent, file) = (at("store"), at("absent"), at("file.toml"));
     std::fs::write(&file, "spec = 1").expect("written");
+    let text = at("text");
+    std::fs::write(&text, "no policy").expect("written");
     let policy = policy();
     let cases: &[(&[&str], i32, Option<&str>)] = &[
         (&["why", SPEC, "nope", "--store", &store], 2, None),
@@ -66,7 +68,8 @@ fn every_failure_is_one_document_for_programs() {
         (&["trace", "nofile.svg"], 3, Some("E0004")),
         (&["check", &at("nothing.toml")], 3, Some("E0004")),
         (&["evaluate", &at("nothing.safetensors")], 3, Some("E0004")),
-        (&["evaluate", &file], 4, Some("R0002")),
+        (&["evaluate", &text], 4, Some("R0002")),
+        (&["evaluate", &file], 3, Some("E0101")),
         (&["list", "nope"], 2, None),
         (&["explain", "nope"], 2, None),
         (&["robot", "show", "nope"], 2, None),

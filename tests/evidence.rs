@@ -759,7 +759,7 @@ fn an_untrusted_policy_is_evaluated_only_on_request() {
     let path = place.path().join("policy.safetensors");
     fs::write(&path, file::write_with(&tensors, &samples, &texts)).expect("it can be written");
     let path = path.to_string_lossy().into_owned();
-    let words = ["evaluate", &path, "--episodes", "1", "--time-limit", "96 ms"];
+    let words = ["evaluate", &path, "--episodes", "1", "--time-limit", "104 ms"];
     let (code, text) = told(&specforge(place.path(), &words));
     assert!(code == 4 && text.contains("[R0008]") && text.contains("--trust"), "{text}");
     let (code, text) = told(&specforge(place.path(), &[&words[..], &["--trust"]].concat()));

@@ -125,10 +125,10 @@ fn commands_that_write_a_file_leave_the_old_one_or_none_when_the_disk_is_full() 
         "# a line of a comment that takes its place\n".repeat(200)
     );
     fs::write(at("walk.toml"), &unformatted).expect("written");
-    fs::write(at("plan.json"), "the plan of before").expect("written");
+    fs::write(at("plan.json"), "{\"arms\": [], \"stages\": []}").expect("written");
     fs::create_dir_all(at("schema")).expect("a folder");
     fs::create_dir_all(at("specs/studies")).expect("a folder");
-    fs::write(at("schema/spec-1.json"), "the schema of before").expect("written");
+    fs::write(at("schema/spec-1.json"), "{\"$schema\": \"of before\"}").expect("written");
     let before = content(folder.path());
     let plan = ["plan", SPEC, "--profile", "quick", "--save", "plan.json"];
     let commands: [&[&str]; 4] = [
@@ -154,11 +154,12 @@ fn commands_that_write_a_file_leave_the_old_one_or_none_when_the_disk_is_full() 
 fn the_index_of_before_stays_when_the_disk_is_full() {
     let (folder, root) = (tempfile::tempdir().expect("a folder"), Path::new(env!("CARGO_MANIFEST_DIR")));
     let page = folder.path().join("README.md");
-    fs::write(&page, "the index of before").expect("written");
+    let before = "# Reports\n\nWhat was claimed and what became of it, suite by suite.\n";
+    fs::write(&page, before).expect("written");
     let reports = folder.path().display().to_string();
     let output = limited(root, 1, &["report", "--index", "--reports", &reports]);
     assert_eq!(output.status.code(), Some(4), "{}", said(&output));
-    assert_eq!(content(folder.path()), BTreeMap::from([(page, b"the index of before".to_vec())]));
+    assert_eq!(content(folder.path()), BTreeMap::from([(page, before.as_bytes().to_vec())]));
 }
 
 /// A run of the stages that need no training.
