@@ -168,8 +168,8 @@ fn interval_of([first, last]: [f64; 2]) -> String {
     if first == last { duration(first) } else { format!("{} to {}", duration(first), duration(last)) }
 }
 
-/// Whether the bound was written after the value, by a child or an assignment: an episode that is shortened for
-/// a trial leaves the rest of the spec as it is.
+/// Whether the bound was written after the value, by a child or an assignment: someone who shortens an episode
+/// for a trial does not want to adapt the rest of the spec.
 pub(super) fn is_inherited(subject: &Subject, value: &str, bound: &str) -> bool {
     let (Some(value), Some(bound)) = (subject.marks.get(value), subject.marks.get(bound)) else {
         return false;
@@ -415,7 +415,7 @@ mod tests {
             .len()
         };
         assert_eq!(["0.1", "1.0"].map(evaluated), [1, 0]);
-        // A robot that is told to stand gets no further than its soles, unless it is pushed.
+        // A standing robot reaches only as far as its soles, unless it is pushed.
         let standing = |more: &str| {
             said(&format!(
                 "[evaluate.box]\nkind = \"episodes\"\ncommand = {{ speed = 0.0 }}\n[evaluate.box.terrain]\nkind = \

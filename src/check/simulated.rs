@@ -1,5 +1,5 @@
-//! E04xx, W04xx and W0426: the robot as it is simulated, with its payload, its joint damping and the extremes
-//! of its randomization.
+//! E04xx, W04xx and W0426: the simulated robot, with its payload, its joint damping and the extremes of its
+//! randomization.
 
 use std::collections::BTreeSet;
 

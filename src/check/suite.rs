@@ -63,8 +63,9 @@ impl Checker {
     /// Loads and checks a suite. Cached robots are not read again.
     pub fn suite(&mut self, files: &dyn Files, path: &Path, options: &LoadOptions) -> CheckedSuite {
         let loaded = load(files, path, options, &self.vocabulary);
-        let mut checked =
-            examined(files, options, loaded, (&self.vocabulary, &mut self.robots, &mut self.simulated));
+        let shared =
+            Shared { vocabulary: &self.vocabulary, robots: &mut self.robots, simulated: &mut self.simulated };
+        let mut checked = examined(files, options, loaded, shared);
         let CheckedSuite { suite: Some(suite), arms, sink, .. } = &mut checked else { return checked };
         let Some(first) = arms.first() else { return checked };
         let tasks = arms.iter().filter_map(|arm| baseline::task(&arm.arm.experiment)).collect();
@@ -75,12 +76,21 @@ impl Checker {
     }
 }
 
+/// What the checks of several suites share.
+struct Shared<'a> {
+    vocabulary: &'a Vocabulary,
+    /// Robots read so far.
+    robots: &'a mut BTreeMap<File, Robot>,
+    /// Findings about simulated robots so far.
+    simulated: &'a mut Known,
+}
+
 /// Applies every rule to the arms of a loaded suite.
 fn examined(
     files: &dyn Files,
     options: &LoadOptions,
     loaded: LoadedSuite,
-    (vocabulary, known, simulated): (&Vocabulary, &mut BTreeMap<File, Robot>, &mut Known),
+    Shared { vocabulary, robots: known, simulated }: Shared,
 ) -> CheckedSuite {
     let LoadedSuite { sources, mut sink, suite, arms } = loaded;
     let mut shelf = Shelf::new(files, &sources, known);

@@ -43,9 +43,11 @@ pub fn motions_are_mirrored(
         subject.motion()
     );
     let error = Diagnostic::error("E0513", message);
-    let places = [subject.place(&Walk::motion.path()), subject.place(&Ppo::symmetry.path())];
-    let error =
-        places.into_iter().flatten().take(1).fold(error, |error, place| error.at(place, "not symmetric"));
+    let place = subject.place(&Walk::motion.path()).or_else(|| subject.place(&Ppo::symmetry.path()));
+    let error = match place {
+        Some(place) => error.at(place, "not symmetric"),
+        None => error,
+    };
     let advice = "name a motion of the task's own kind, or write `learn.symmetry = \"none\"`";
     sink.emit(error.help(advice));
 }

@@ -140,7 +140,7 @@ enum Command {
     /// Checks specs: everything that can be known before a simulator starts
     #[command(after_help = examples::CHECK)]
     Check(check::Options),
-    /// Shows a spec as it is resolved: values, origins, signals
+    /// Shows the resolved spec: values, origins, signals
     #[command(after_help = examples::SHOW)]
     Show(show::Options),
     /// Shows the dataflow graph: stages, their inputs, whether they are cached, and why not

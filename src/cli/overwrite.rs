@@ -18,7 +18,7 @@ pub fn allowed(
     if is_free(path, is_own) {
         return Ok(());
     }
-    let message = format!("`{}` exists and is not {what}; it is left as it is", escape::file(path));
+    let message = format!("`{}` exists and is not {what}; nothing was written", escape::file(path));
     output::complain(global, &message, Some(advice));
     Err(Exit::Usage)
 }

@@ -67,7 +67,7 @@ pub fn check(folder: &Path, global: &Global) -> Exit {
     if differing == 0 && found.out_of_date.is_empty() { Exit::Ok } else { Exit::StageFailed }
 }
 
-/// The pages whose suites have other claims now. They are as they were rendered, so this is no error.
+/// The pages whose suites have other claims now. The pages themselves are unchanged, so this is a warning.
 fn earlier(found: &Found) -> Vec<Fault> {
     let of = |(page, record): (&String, &Sidecar)| {
         let OutOfDate { reason, fix, .. } = out_of_date::claims(record)?;

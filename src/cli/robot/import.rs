@@ -59,7 +59,7 @@ pub struct Options {
 }
 
 /// Imports a robot. Does not overwrite an existing file. A robot with errors is written, so that they can be
-/// corrected in its file, and is no success.
+/// corrected in its file; the exit code is then 3.
 pub fn run(options: &Options, global: &Global) -> Exit {
     let stem =
         || options.file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();

@@ -72,19 +72,39 @@ fn chain(robot: &Robot, link: usize) -> f64 {
     own + robot.links[link].parent.map_or(0.0, |parent| chain(robot, parent))
 }
 
+/// A limit of every joint, and what a message says of those that are wrong.
+struct Limit<'a> {
+    key: &'a str,
+    of: &'a dyn Fn(&Joint) -> f64,
+    /// The message, from the joints' names and the worst value.
+    say: &'a dyn Fn(&str, f64) -> String,
+    help: &'a str,
+}
+
+/// One issue for all joints whose limit is wrong (W0414), at the worst of them; `worse` compares two values.
+fn wrong_limits(
+    robot: &Robot,
+    limit: &Limit,
+    is_wrong: &dyn Fn(f64) -> bool,
+    worse: fn(&f64, &f64) -> bool,
+) -> Option<Issue> {
+    let of = limit.of;
+    let found: Vec<(usize, &Joint)> = joints(robot).filter(|(_, joint)| is_wrong(of(joint))).collect();
+    let (index, worst) =
+        found.iter().copied().reduce(|a, b| if worse(&of(b.1), &of(a.1)) { b } else { a })?;
+    Some(Issue {
+        code: "W0414",
+        path: format!("links.{index}.joint.{}", limit.key),
+        message: (limit.say)(&names(&found, robot.joints()), of(worst)),
+        help: limit.help.to_owned(),
+    })
+}
+
 /// One issue per type of limit that looks like a placeholder (W0414).
 fn placeholders(robot: &Robot, hold: Option<f64>) -> Vec<Issue> {
     let told =
         |key: &str, of: &dyn Fn(&Joint) -> f64, most: f64, say: &dyn Fn(&str, f64) -> String, help: &str| {
-            let found: Vec<(usize, &Joint)> = joints(robot).filter(|(_, joint)| of(joint) > most).collect();
-            let (index, worst) =
-                found.iter().copied().reduce(|a, b| if of(b.1) > of(a.1) { b } else { a })?;
-            Some(Issue {
-                code: "W0414",
-                path: format!("links.{index}.joint.{key}"),
-                message: say(&names(&found, robot.joints()), of(worst)),
-                help: help.to_owned(),
-            })
+            wrong_limits(robot, &Limit { key, of, say, help }, &|value| value > most, f64::gt)
         };
     let carried = hold.unwrap_or(f64::INFINITY);
     let issues = [
@@ -142,16 +162,7 @@ fn names(found: &[(usize, &Joint)], joints: usize) -> String {
 fn useless(robot: &Robot, hold: Option<f64>) -> Vec<Issue> {
     let told =
         |key: &str, of: &dyn Fn(&Joint) -> f64, least: f64, say: &dyn Fn(&str, f64) -> String, help: &str| {
-            let small = |joint: &Joint| of(joint) > 0.0 && of(joint) < least;
-            let found: Vec<(usize, &Joint)> = joints(robot).filter(|(_, joint)| small(joint)).collect();
-            let (index, worst) =
-                found.iter().copied().reduce(|a, b| if of(b.1) < of(a.1) { b } else { a })?;
-            Some(Issue {
-                code: "W0414",
-                path: format!("links.{index}.joint.{key}"),
-                message: say(&names(&found, robot.joints()), of(worst)),
-                help: help.to_owned(),
-            })
+            wrong_limits(robot, &Limit { key, of, say, help }, &|value| value > 0.0 && value < least, f64::lt)
         };
     let carried = hold.unwrap_or(0.0);
     let issues = [
@@ -161,7 +172,7 @@ fn useless(robot: &Robot, hold: Option<f64>) -> Vec<Issue> {
             WEAKEST * carried,
             &|names, least| {
                 format!(
-                    "the effort limit of {names}, down to {least:.3e} N m, is useless: the robot's weight at the \
+                    "the effort limit of {names}, down to {least} N m, is useless: the robot's weight at the \
                      length of its leg is {carried:.1} N m"
                 )
             },
