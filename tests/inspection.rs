@@ -583,3 +583,48 @@ fn a_warning_that_the_arms_of_a_comparison_share_is_told_once() {
         assert_eq!(told.matches(code).count(), 1, "{format}: {told}");
     }
 }
+
+#[test]
+fn an_assignment_means_the_named_spec_and_reaches_only_compared_specs_with_its_key() {
+    let spec = "specs/tocabi_walk_position.toml";
+    let keys = |sets: &[&str]| {
+        let sets = sets.iter().flat_map(|set| ["--set", set]);
+        let arguments: Vec<&str> = ["plan", spec, "--format", "json"].into_iter().chain(sets).collect();
+        let output = specforge(&arguments);
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        let plan: serde_json::Value = serde_json::from_slice(&output.stdout).expect("a document");
+        let stages = plan["stages"].as_array().expect("stages").clone();
+        let of = |label: &str| {
+            let stage = stages.iter().find(|stage| stage["name"] == label);
+            stage.map(|stage| stage["key"].to_string()).expect(label)
+        };
+        let learners = ["tocabi_walk_position/learner", "tocabi_walk_torque/learner"].map(of);
+        (learners, stderr(&output))
+    };
+    let ([position, torque], told) = keys(&[]);
+    assert_eq!(told, "");
+    let foreign = ["action.stiffness=50 %", "action.damping=30 %", "action.scale=90 %"];
+    for set in foreign {
+        let ([own, compared], told) = keys(&[set]);
+        assert!(own != position && compared == torque, "{set}: {told}");
+        assert!(told.contains(&format!("--set '{set}'")), "{told}");
+        assert!(told.contains("reaches `tocabi_walk_position` and not `tocabi_walk_torque`"), "{told}");
+        let output = specforge(&["check", spec, "--set", set]);
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+    }
+    // What both have reaches both.
+    let ([own, compared], told) = keys(&["learn.samples=2 M", foreign[0]]);
+    assert!(own != position && compared != torque, "{told}");
+    assert!(!told.contains("learn.samples"), "{told}");
+    assert_eq!(keys(&["learn.samples=2 M"]).1, "");
+    // A key that the named spec lacks is an error, also where the compared spec has it.
+    for (spec, set) in
+        [(spec, "action.stiffnes=50 %"), ("specs/tocabi_walk_torque.toml", "action.stiffness=50 %")]
+    {
+        let output = specforge(&["plan", spec, "--set", set]);
+        assert_eq!(code(&output), 3, "{set}");
+    }
+    // A value that is wrong for both kinds is reported once, for the named spec.
+    let output = specforge(&["plan", spec, "--set", "action.rate=300 Hz"]);
+    assert_eq!(code(&output), 3, "{}", stderr(&output));
+}

@@ -2,6 +2,7 @@
 //!
 //! A rule ignores absent values: a value that failed to decode is absent, and has been reported already.
 
+mod applicable;
 mod arms;
 mod baseline;
 mod budget;

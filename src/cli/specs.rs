@@ -47,6 +47,7 @@ pub fn told<T>(work: impl FnOnce(&mut Log) -> Result<T, Refusal>, global: &Globa
     let mut log = Log::default();
     let result = work(&mut log);
     let failed = tell(&log.findings, global);
+    log.notes.iter().filter(|_| !failed).for_each(|note| output::note(global, note));
     match result {
         Ok(result) => Ok(result),
         Err(Refusal::Usage { message, advice }) if !failed => {

@@ -28,7 +28,8 @@ pub fn findings(spec: &Checked, file: &Path, options: &LoadOptions, checker: &mu
             found.push(Findings::of(spec.sources.clone(), vec![error]).in_file(file));
             continue;
         }
-        let other = checker.check(&Disk, path, options);
+        let options = checker.applicable(&Disk, path, options);
+        let other = checker.check(&Disk, path, &options);
         if other.sink.has_errors() {
             let told = format!("`{}` compares itself with {}", experiment.name, path.display());
             found.push(errors(other, &told).in_file(path));

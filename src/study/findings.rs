@@ -51,6 +51,8 @@ impl Told {
 pub struct Log {
     /// The diagnostics.
     pub findings: Vec<Findings>,
+    /// What is worth knowing about a valid study, a sentence each.
+    pub notes: Vec<String>,
     known: Told,
 }
 

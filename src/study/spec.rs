@@ -7,9 +7,11 @@ use super::files::{identity, is_suite};
 use super::findings::{Findings, Log};
 use super::plan::{Reported, lowered, plain_arm, project, request};
 use super::{Refusal, Study};
-use crate::check::{self, Checked, unrunnable};
+use crate::check::{self, Checked, Checker, unrunnable};
+use crate::escape::shell;
 use crate::plan::{Arm, PlanError, same_results};
-use crate::spec::{LoadOptions, Table};
+use crate::spec::{Experiment, LoadOptions, Table};
+use crate::syntax::Disk;
 
 /// Loads and checks one spec; `Err` if it has errors. Its diagnostics are in the log and in the spec.
 pub fn checked(path: &Path, options: &LoadOptions, log: &mut Log) -> Result<Checked, Refusal> {
@@ -53,8 +55,15 @@ pub fn read(files: &[PathBuf], options: &LoadOptions, log: &mut Log) -> Result<S
         }
         seen.push(identity);
         let by = named.map(|(spec, entry)| (&specs[spec], entry));
-        let checked = comparable(&file, by, options, log)?;
+        let own = match by {
+            Some(_) if !is_suite(&file) => Checker::default().applicable(&Disk, &file, options),
+            _ => options.clone(),
+        };
+        let checked = comparable(&file, by, &own, log)?;
         let Some((experiment, _)) = checked.sound() else { return Err(Refusal::Invalid) };
+        if let Some((by, _)) = by {
+            log.notes.extend(unreached(by, experiment, options, &own));
+        }
         if named.is_none() {
             // The comparisons of a spec that is only compared with are ignored.
             let compared = experiment.compare.iter().enumerate();
@@ -62,7 +71,7 @@ pub fn read(files: &[PathBuf], options: &LoadOptions, log: &mut Log) -> Result<S
         }
         entries.extend(named.map(|(by, place)| Entry { by, place, other: specs.len() }));
         place.get_or_insert_with(|| project(&file, experiment.root.as_deref()));
-        arms.push(arm(&checked, &file, place.as_deref(), options)?);
+        arms.push(arm(&checked, &file, place.as_deref(), &own)?);
         specs.push(checked);
     }
     let project = place.unwrap_or_default();
@@ -86,6 +95,20 @@ pub fn read(files: &[PathBuf], options: &LoadOptions, log: &mut Log) -> Result<S
     let first = specs.into_iter().find_map(|spec| spec.experiment);
     let profiles = first.map(|experiment| experiment.profiles.to_vec()).unwrap_or_default();
     Ok(Study { profiles, ..study })
+}
+
+/// Says which assignments do not reach a compared spec.
+fn unreached(by: &Checked, other: &Experiment, options: &LoadOptions, taken: &LoadOptions) -> Option<String> {
+    let lacking = options.sets.iter().filter(|set| !taken.sets.contains(set));
+    let word = |set: &String| format!("`--set {}`", shell::argument(Path::new(set)));
+    let lacking: Vec<String> = lacking.map(word).collect();
+    let own = &by.experiment.as_ref()?.name;
+    (!lacking.is_empty()).then(|| {
+        let [sets, other] = [lacking.join(" and "), other.name.clone()];
+        format!(
+            "{sets} reaches `{own}` and not `{other}`, which it is compared with and which lacks this key"
+        )
+    })
 }
 
 /// Most bytes of a report's name: file systems allow 255, and extensions are added.

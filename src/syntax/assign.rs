@@ -19,7 +19,8 @@ pub struct Assigning<'a> {
     pub usage: &'a str,
 }
 
-const SET: Assigning =
+/// The option `--set`.
+pub const SET: Assigning =
     Assigning { option: "--set", usage: "write `--set path=value`, for example `--set learn.seed=2`" };
 
 /// The same for any option; messages refer to it.
