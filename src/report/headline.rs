@@ -2,7 +2,7 @@
 
 use super::metric::Metric;
 use super::model::{Arm, Measured, ReportInput};
-use super::table::conditions::conditions;
+use super::table::conditions::{all_conditions, conditions, variations};
 use super::verdict::{Verdict, asked_speed, judge};
 use super::wording::{labels, number, with_interval};
 use crate::kinds::fine_tune;
@@ -29,7 +29,7 @@ fn paragraph(arm: &Arm, name: &str) -> String {
     );
     for measured in evaluated {
         text.push_str(&match conditions(arm, measured) {
-            Some(conditions) => under(measured, &conditions),
+            Some(_) => under(measured, &all_conditions(arm, measured).unwrap_or_default()),
             None => transfer(arm, first, measured),
         });
     }
@@ -46,7 +46,8 @@ fn transfer(arm: &Arm, first: &Measured, measured: &Measured) -> String {
     } else {
         format!("In {engine}, {},", trained_there(arm, engine))
     };
-    format!(" {place} it {}: {}", verdict.phrase(), evidence(arm, evaluation, &verdict))
+    let varied = variations(arm, &measured.stage).map_or(String::new(), |words| format!(" ({words})"));
+    format!(" {place}{varied} it {}: {}", verdict.phrase(), evidence(arm, evaluation, &verdict))
 }
 
 /// In which part of the training the engine was used. A fine-tuning may use another engine.

@@ -1,15 +1,17 @@
 //! The conditions of an evaluation in words: commands, parameter sets, ground, randomization.
 
-use super::setup::{drawn, other_ground};
+use super::setup::{drawn, lookup, other_ground};
 use crate::kinds::evaluate::{Setting, Spread};
 use crate::kinds::fine_tune::{FineTuning, Trained};
-use crate::kinds::terrain::box_obstacle::BoxObstacle;
-use crate::kinds::terrain::height_field::HeightField;
-use crate::kinds::terrain::slope::Slope;
+use crate::kinds::terrain::Ground;
+use crate::kinds::terrain::flat::Flat;
 use crate::outcome::Evaluation;
 use crate::report::model::{Arm, Measured};
 use crate::report::wording::{number, value};
-use crate::spec::{Section, Value};
+use crate::spec::decode::default_value;
+use crate::spec::marks::below;
+use crate::spec::typed::{HasKinds, InSection, Keys};
+use crate::spec::{Param, Section, Value};
 
 /// `25 speeds from 0.02 to 0.5 m/s, box obstacle`; `None` for a single command on the training ground without
 /// randomization.
@@ -17,10 +19,49 @@ pub fn conditions(arm: &Arm, measured: &Measured) -> Option<String> {
     let table = table(arm, &measured.stage);
     let evaluation = &measured.evaluation;
     let policy = table.and_then(|table| policy(arm, table));
-    let [ground, contact, draws] = [ground, contact, draws].map(|of| table.and_then(of));
+    let ground = table.and_then(|table| ground(arm, table));
+    let [contact, draws] = [contact, draws].map(|of| table.and_then(of));
     let parts = [speeds(evaluation), sets(evaluation), ground, contact, draws, policy];
     let parts: Vec<String> = parts.into_iter().flatten().collect();
     (!parts.is_empty()).then(|| parts.join(", "))
+}
+
+/// The same with the differences that do not make it another task: the spread of the starts, noise,
+/// exploration and the time limit, where these are not the usual ones.
+pub fn all_conditions(arm: &Arm, measured: &Measured) -> Option<String> {
+    let parts: Vec<String> =
+        conditions(arm, measured).into_iter().chain(variations(arm, &measured.stage)).collect();
+    (!parts.is_empty()).then(|| parts.join(", "))
+}
+
+/// `perturbation 0.2 rad, observation noise`; `None` if all of it is as usual.
+pub fn variations(arm: &Arm, stage: &str) -> Option<String> {
+    let table = table(arm, stage)?;
+    let usual = |name: &str| Spread::PARAMS.iter().find(|param| param.name == name).and_then(default_value);
+    let perturbation = table.get(Spread::perturbation.name);
+    let perturbation = perturbation
+        .filter(|own| canonical(own) != usual(Spread::perturbation.name).as_ref().and_then(canonical));
+    let limit = table.get(Setting::time_limit.name);
+    let episode = lookup(arm, "task.episode");
+    let limit = limit.filter(|own| episode.is_some_and(|episode| canonical(own) != canonical(episode)));
+    let is_on = |key: &str| matches!(table.get(key), Some(Value::Flag(true)));
+    let parts = [
+        perturbation.map(|own| format!("perturbation {}", value(own))),
+        is_on(Spread::noise.name).then(|| "observation noise".to_owned()),
+        is_on(Spread::explore.name).then(|| "exploring".to_owned()),
+        limit.map(|own| format!("time limit {}", value(own))),
+    ];
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    (!parts.is_empty()).then(|| parts.join(", "))
+}
+
+/// A number in SI units.
+fn canonical(value: &Value) -> Option<f64> {
+    match value {
+        Value::Quantity(quantity) => Some(quantity.si),
+        Value::Count(count) => Some(*count as f64),
+        _ => None,
+    }
 }
 
 /// The engine, size and conditions of an evaluation.
@@ -30,7 +71,7 @@ pub fn circumstances(arm: &Arm, measured: &Measured) -> String {
     let episodes =
         format!("{} episodes of up to {} s", evaluation.episodes.len(), number(evaluation.time_limit));
     let asked = evaluation.command.map(|_| command(evaluation));
-    [Some(place), Some(episodes), asked, conditions(arm, measured)]
+    [Some(place), Some(episodes), asked, all_conditions(arm, measured)]
         .into_iter()
         .flatten()
         .collect::<Vec<_>>()
@@ -62,16 +103,24 @@ fn sets(evaluation: &Evaluation) -> Option<String> {
     (parameters > 0).then(|| format!("{} sets of {parameters} parameter{plural}", evaluation.episodes.len()))
 }
 
-/// The dimensions of grounds that are printed.
-const SIZES: [&str; 4] =
-    [BoxObstacle::height.name, HeightField::amplitude.name, HeightField::cell.name, Slope::angle.name];
-
-/// `box obstacle (height 1 cm)`.
-fn ground(table: Section) -> Option<String> {
+/// `box obstacle (height 1 cm, distance 2 m)`: the keys that have no default or another value than that, and
+/// the friction if it is not that of the training.
+fn ground(arm: &Arm, table: Section) -> Option<String> {
     let ground = table.below(Setting::terrain)?;
-    let size = |key: &&str| Some(format!("{key} {}", value(ground.get(key)?)));
-    let sizes: Vec<String> = SIZES.iter().filter_map(size).collect();
-    Some(with_figures(ground.kind()?, &sizes.join(", ")))
+    let kind = ground.kind()?;
+    let params = (Ground::KINDS.all)().into_iter().find(|known| known.name == kind)?.params;
+    let trained = lookup(arm, &below(Ground::SECTION, Flat::friction.name)).and_then(canonical);
+    let told = |param: &&Param| {
+        let own = ground.get(param.name)?;
+        let usual = if param.name == Flat::friction.name {
+            trained == canonical(own)
+        } else {
+            default_value(param).is_some_and(|default| default.canonical() == own.canonical())
+        };
+        (!usual).then(|| format!("{} {}", param.name, value(own)))
+    };
+    let told: Vec<String> = params.iter().filter_map(|param| told(&param)).collect();
+    Some(with_figures(kind, &told.join(", ")))
 }
 
 /// The contact stiffness, if the evaluation sets its own.
@@ -179,6 +228,48 @@ mod tests {
             words(nested(&["evaluate", "course", "terrain"], ground), Vec::new())
         };
         assert_eq!(box_of("1 cm").as_deref(), Some("box obstacle (height 1 cm)"));
+    }
+
+    #[test]
+    fn conditions_name_friction_distance_spread_noise_and_exploration_that_are_not_the_usual_ones() {
+        let number = |text: &str, si: f64| Value::Quantity(Quantity { si, text: text.into() });
+        let text = |text: &str| Value::Text(text.into());
+        let told = |rows: Vec<(&str, Value)>| {
+            let rows = rows.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
+            let mut fields = nested(&["evaluate", "course"], Value::Table(rows));
+            fields.extend(nested(&["terrain", "friction"], number("1.0", 1.0)));
+            fields.extend(nested(&["task", "episode"], number("16 s", 16.0)));
+            let arm = Arm { fields, ..Arm::default() };
+            let evaluation = Evaluation::default();
+            let measured = Measured { stage: "evaluate.course".into(), evaluation };
+            let words = all_conditions(&arm, &measured);
+            assert!(words.is_some() || circumstances(&arm, &measured).ends_with("up to 0 s"));
+            words.unwrap_or_default()
+        };
+        let ground = |rows: &[(&str, Value)]| {
+            let rows = rows.iter().map(|(key, value)| ((*key).to_owned(), value.clone())).collect();
+            vec![("terrain", Value::Table(rows))]
+        };
+        let flat = |friction: f64| {
+            told(ground(&[("kind", text("flat")), ("friction", number(&friction.to_string(), friction))]))
+        };
+        assert_eq!([flat(1.0), flat(0.3)], ["flat", "flat (friction 0.3)"]);
+        let far = ("distance", number("1.2 m", 1.2));
+        let wide = |si: f64| ("length", number(&format!("{si} m"), si));
+        let kind = ("kind", text("box_obstacle"));
+        assert_eq!(told(ground(&[kind.clone(), far.clone(), wide(0.4)])), "box obstacle (distance 1.2 m)");
+        assert_eq!(told(ground(&[kind, far, wide(0.5)])), "box obstacle (length 0.5 m, distance 1.2 m)");
+        let field = ("kind", text("height_field"));
+        assert_eq!(told(ground(&[field, ("seed", Value::Count(7))])), "height field (seed 7)");
+        assert_eq!(told(vec![("perturbation", number("0.01 rad", 0.01))]), "");
+        assert_eq!(told(vec![("perturbation", number("0.5 rad", 0.5))]), "perturbation 0.5 rad");
+        assert_eq!(
+            told(vec![("noise", Value::Flag(true)), ("explore", Value::Flag(false))]),
+            "observation noise"
+        );
+        assert_eq!(told(vec![("explore", Value::Flag(true))]), "exploring");
+        assert_eq!(told(vec![("time_limit", number("16 s", 16.0))]), "");
+        assert_eq!(told(vec![("time_limit", number("4 s", 4.0))]), "time limit 4 s");
     }
 
     #[test]

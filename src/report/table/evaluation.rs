@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::conditions::{command, conditions};
+use super::conditions::{all_conditions, command, conditions};
 use super::{Cell, Table};
 use crate::kinds::task::Task;
 use crate::report::comparison::{are_paired, differences};
@@ -69,7 +69,7 @@ pub fn evaluation(input: &ReportInput) -> Table {
     let columns = columns(input);
     let mut table = table("evaluation", "Evaluation", &columns);
     let told: Vec<Option<String>> =
-        columns.iter().map(|column| conditions(column.arm, column.measured)).collect();
+        columns.iter().map(|column| all_conditions(column.arm, column.measured)).collect();
     if told.iter().any(Option::is_some) {
         let usual = |column: &Column| command(&column.measured.evaluation);
         let cells = told.into_iter().zip(&columns);
