@@ -7,8 +7,8 @@ use super::baseline::{self, Naming};
 use super::checker::Checker;
 use super::reference::{OnDemand, Reference};
 use super::{
-    Subject, chain, check, corners, exports, height, issue, judging, overridden, parents, reference,
-    relative, seeds, simulated, symmetry, terms,
+    Subject, chain, check, corners, exports, height, issue, judging, overridden, parents, profiled,
+    reference, relative, seeds, simulated, symmetry, terms,
 };
 use crate::diag::{Diagnostic, Severity, Sink, Sources, Span};
 use crate::kinds::motion;
@@ -90,7 +90,8 @@ impl Checker {
             Some(references.get(key.into(), motion.as_ref()?, robot.as_ref()?))
         };
         let parts = Parts { robot: robot.as_ref(), motion: motion.as_ref(), make: &mut make };
-        apply_rules((&experiment, &family), parts, &self.vocabulary, &mut self.simulated, &mut sink);
+        let written = Written { experiment: &experiment, family: &family, sources: &sources };
+        apply_rules(written, parts, &self.vocabulary, &mut self.simulated, &mut sink);
         seeds::learning_and_evaluations_are_apart(&experiment, &mut sink);
         find_compared(&experiment, files, &mut sink);
         let (named, reach) = (&experiment.baselines, &experiment.reach);
@@ -123,6 +124,17 @@ impl Checker {
     }
 }
 
+/// A spec and the files that it was read from.
+#[derive(Clone, Copy)]
+pub(super) struct Written<'a> {
+    /// The spec.
+    pub experiment: &'a Experiment,
+    /// Its files.
+    pub family: &'a Family,
+    /// Their texts.
+    pub sources: &'a Sources,
+}
+
 /// What a spec names, and what is made of it on demand.
 pub(super) struct Parts<'a> {
     /// The robot.
@@ -135,7 +147,7 @@ pub(super) struct Parts<'a> {
 
 /// Applies every rule to a loaded spec with its robot and motion.
 pub(super) fn apply_rules(
-    (experiment, family): (&Experiment, &Family),
+    Written { experiment, family, sources }: Written,
     Parts { robot, motion: file, make }: Parts,
     vocabulary: &Vocabulary,
     known: &mut simulated::Known,
@@ -170,6 +182,7 @@ pub(super) fn apply_rules(
     sink.diagnostics.append(&mut rules.diagnostics);
     parents::lost_keys(experiment, family, vocabulary, sink);
     overridden::keys_are_read(&subject, experiment, sink);
+    profiled::own_values_last(experiment, family, sources, sink);
 }
 
 /// Shows replaced values, sorts the diagnostics, drops those that the spec allows, and turns denied warnings

@@ -28,6 +28,7 @@ mod observation;
 mod overridden;
 mod parents;
 mod phase;
+mod profiled;
 mod rates;
 mod reference;
 mod relative;

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::baseline::{self, Naming};
-use super::checked::{CheckedArm, Parts, apply_rules, finish, read_motion, read_robot};
+use super::checked::{CheckedArm, Parts, Written, apply_rules, finish, read_motion, read_robot};
 use super::checker::{Checker, File};
 use super::claims::{self, ArmScope, Scope};
 use super::reference::{Reference, References};
@@ -109,7 +109,13 @@ fn examined(
             experiment.motion.as_ref().and_then(|file| shelf.motion(file, &experiment.reach, &mut own));
         let mut make = || shelf.reference(experiment, robot.as_deref(), motion.as_deref());
         let parts = Parts { robot: robot.as_deref(), motion: motion.as_deref(), make: &mut make };
-        apply_rules((experiment, &family), parts, vocabulary, simulated, &mut own);
+        apply_rules(
+            Written { experiment, family: &family, sources: &sources },
+            parts,
+            vocabulary,
+            simulated,
+            &mut own,
+        );
         if let Some(suite) = &suite {
             match suite.sweep.seeds {
                 Some(_) => seeds::sweep_and_evaluations_are_apart(&suite.sweep, experiment, &mut own),
