@@ -20,6 +20,10 @@ pub struct Evaluation {
     /// Where along x the obstacle begins and ends, in m from the start; absent without an obstacle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub obstacle: Option<[f64; 2]>,
+    /// Time in s at which the last scheduled push of an episode begins; absent without one, and in the files of
+    /// stages.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub push: Option<f64>,
     /// One entry per episode.
     pub episodes: Vec<Episode>,
     /// Signals of one episode, for figures; empty if only the record of the run is left.

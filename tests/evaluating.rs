@@ -546,6 +546,13 @@ mod engines {
         assert!(told(&brief).contains("the task is not judged: its episodes end"), "{}", told(&brief));
         let warning = "survives by standing still; that is not the task";
         assert!(told(&output).contains(warning), "{}\n{text}", told(&output));
+        // A second remains after the push.
+        let push = "impulse=1 N*s,duration=0.1 s,at=5 s";
+        let late = ["--episodes", "2", "--time-limit", "6 s", "--command", "0.2", "--push", push];
+        let late = evaluate(&file.path, &late);
+        let said = String::from_utf8_lossy(&late.stdout).into_owned();
+        let reason = "is not judged: its episodes end 1 s after the push at 5 s";
+        assert!(said.contains(&format!("batch, 0.2 m/s: {reason}")), "{said}");
         let rate = evaluate(&file.path, &["--engine", "mujoco", "--rate", "333 Hz"]);
         assert_eq!(rate.status.code(), Some(4));
         assert!(told(&rate).contains("[E0501]") && told(&rate).contains("help: "), "{}", told(&rate));

@@ -11,6 +11,7 @@ use super::{baseline, crossing};
 use crate::bounded;
 use crate::exec::manifest::{self, Manifest};
 use crate::exec::{Job, WorkError};
+use crate::kinds::evaluate::last_push;
 use crate::kinds::fine_tune::FineTuning;
 use crate::learn::finding::Finding;
 use crate::plan::graph::{ArmRecord, Plan};
@@ -130,9 +131,20 @@ fn arm(job: &Job, record: &ArmRecord, law: Law) -> Result<Arm, WorkError> {
             }
         }
     }
+    schedule_pushes(&mut arm);
     arm.evaluations.sort_by(|one, other| order(&one.stage).cmp(&order(&other.stage)));
     crossing::forget(&mut arm);
     Ok(arm)
+}
+
+/// Adds the times of scheduled pushes to the evaluations.
+fn schedule_pushes(arm: &mut Arm) {
+    let spec = Section::new(&arm.fields);
+    for measured in &mut arm.evaluations {
+        let path = measured.stage.split_once('.');
+        let protocol = path.and_then(|(section, name)| spec.section(section)?.section(name));
+        measured.evaluation.push = protocol.and_then(|protocol| last_push(spec, protocol));
+    }
 }
 
 /// Sort key of evaluations: the nominal one comes first, transfers come last.

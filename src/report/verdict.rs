@@ -7,7 +7,7 @@ use super::measurable::is_blind;
 use super::metric::{Metric, average};
 use super::model::Arm;
 use super::wording::number;
-use crate::kinds::task::{self, Bound, Shortest};
+use crate::kinds::task::{self, Bound, Judged, Shortest};
 use crate::outcome::Evaluation;
 use crate::statistics::summary::mean;
 
@@ -63,8 +63,10 @@ pub fn too_short(arm: &Arm, evaluation: &Evaluation) -> Option<String> {
     let limit = evaluation.time_limit;
     let height = arm.robot.as_ref().map_or(1.0, |robot| robot.standing_height);
     let shortest = Shortest::of(arm.motion.as_ref().map(|motion| motion.period), height);
-    (limit > 0.0 && !shortest.is_reached_by(limit)).then(|| {
-        format!("its episodes end after {} s, and to judge them takes {}", number(limit), shortest.in_words())
+    let judged = Judged::of(limit, evaluation.push);
+    (limit > 0.0 && !shortest.is_reached_by(judged)).then(|| {
+        let end = judged.end_in_words(|seconds| format!("{} s", number(seconds)));
+        format!("its episodes end {end}, and to judge them takes {}", shortest.in_words())
     })
 }
 
@@ -293,12 +295,13 @@ mod tests {
         let robot = crate::robot::tests::robot("tocabi");
         let motion = crate::kinds::motion::shipped("walk", &robot).and_then(Result::ok);
         let walk = Arm { robot: Some(robot.clone()), motion, ..arm("walk") };
-        let walking = |survived: bool, time_limit: f64| {
+        let pushed = |survived: bool, time_limit: f64, push: Option<f64>| {
             let episode =
                 Episode { survived, left_support: 0.3, right_support: 0.3, speed: 0.2, ..Episode::default() };
             let evaluation = Evaluation {
                 command: Some(0.2),
                 time_limit,
+                push,
                 episodes: vec![episode; 4],
                 ..Evaluation::default()
             };
@@ -307,6 +310,11 @@ mod tests {
             let verdict = judge(&walk, &evaluation).phrase();
             (holds, verdict, does_but_for_survival(&walk, &evaluation))
         };
+        let walking = |survived: bool, time_limit: f64| pushed(survived, time_limit, None);
+        // What remains after the push is judged.
+        assert_eq!(pushed(true, 5.8, Some(4.0)), (true, "walks".to_owned(), Some(true)));
+        assert_eq!(pushed(true, 5.0, Some(4.0)), (false, "is not judged".to_owned(), None));
+        assert_eq!(pushed(false, 5.0, Some(4.0)), (false, "does not walk".to_owned(), Some(true)));
         assert_eq!(walking(true, 16.0), (true, "walks".to_owned(), Some(true)));
         assert_eq!(walking(true, 1.8), (true, "walks".to_owned(), Some(true)));
         assert_eq!(walking(true, 0.2), (false, "is not judged".to_owned(), None));

@@ -240,6 +240,7 @@ fn measured(stage: &str, engine: &str, arm: &str, quality: f64) -> Measured {
     let episodes = (0..32).map(|index| episode(index, quality, &mut stream)).collect();
     let (rate, trace) = (if engine == "mujoco" { 2000.0 } else { 500.0 }, trace(quality));
     let evaluation = Evaluation {
+        push: None,
         engine: engine.into(),
         physics_rate: rate,
         control_rate: 250.0,

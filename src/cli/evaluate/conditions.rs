@@ -10,7 +10,7 @@ use crate::deploy::{Policy, Transfer};
 use crate::diag::{Diagnostic, Sink, Sources, Span};
 use crate::env::{Blueprint, BlueprintError, Randomized};
 use crate::evaluate::{Condition, Protocol};
-use crate::kinds::evaluate::{Setting, Spread};
+use crate::kinds::evaluate::{Setting, Spread, last_push};
 use crate::kinds::task::{Task, Walk};
 use crate::kinds::{deploy, randomize::push, terrain};
 use crate::spec::decode::{self, Decoder, Registry};
@@ -32,6 +32,8 @@ pub struct Conditions {
     pub transfers: Vec<Transfer>,
     /// The protocol shared by all of them, without a command.
     pub protocol: Protocol,
+    /// Time in s at which the last scheduled push of an episode begins.
+    pub push: Option<f64>,
 }
 
 /// The policy on the requested ground and the conditions, or all errors in the options.
@@ -181,6 +183,7 @@ impl Desk {
         Some(Conditions {
             transfers: pairs.map(|(engine, command)| transfer(engine, command)).collect(),
             protocol,
+            push: last_push(Section::new(&blueprint.fields), Section::new(&self.table)),
         })
     }
 

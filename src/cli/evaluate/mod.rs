@@ -119,7 +119,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     specs::tell(&[of_robot(&policy).in_file(&path)], global);
     match evaluated(options, (&policy, &conditions), &interrupt, global) {
         Ok(evaluations) => {
-            shown::tell(&path, &policy, &conditions.protocol, evaluations, global);
+            shown::tell(&path, &policy, &conditions, evaluations, global);
             Exit::Ok
         }
         Err(error) => failed(&error, global),

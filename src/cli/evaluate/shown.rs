@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde_json::json;
 
+use super::conditions::Conditions;
 use crate::cli::{Format, Global, output};
 use crate::deploy::Policy;
 use crate::deploy::contract::robot_digest;
@@ -58,11 +59,12 @@ pub fn line(evaluation: &Evaluation) -> serde_json::Value {
 pub fn tell(
     path: &Path,
     policy: &Policy,
-    protocol: &Protocol,
+    conditions: &Conditions,
     evaluations: Vec<Evaluation>,
     global: &Global,
 ) {
     let measured = evaluations.into_iter().map(|evaluation| {
+        let evaluation = Evaluation { push: conditions.push, ..evaluation };
         let stage = place(&evaluation.engine, evaluation.command);
         Measured { stage, evaluation }
     });
@@ -80,7 +82,7 @@ pub fn tell(
     warnings.extend(crossing::unmeasurable(&[&arm]));
     if global.format != Format::Json {
         let arms = ReportInput { arms: vec![arm], ..ReportInput::default() };
-        output::data(&text(policy, protocol, &arms));
+        output::data(&text(policy, &conditions.protocol, &arms));
     }
     for warning in warnings.into_iter().chain(stranger(policy)) {
         output::note(global, &format!("warning: {warning}"));

@@ -1,6 +1,7 @@
 //! Evaluation protocols. `evaluate/` implements them.
 
 pub mod episodes;
+mod last_push;
 pub mod parameter_sets;
 pub mod speeds;
 
@@ -99,5 +100,6 @@ keys! {
 }
 
 pub use episodes::Episodes;
+pub use last_push::last_push;
 pub use parameter_sets::ParameterSets;
 pub use speeds::Speeds;

@@ -8,6 +8,43 @@ const FALLEN: f64 = 1.0;
 /// Standard gravity in m/s^2.
 const GRAVITY: f64 = 9.81;
 
+/// The time of an episode that is judged: what comes before a push says nothing about the robot after it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Judged {
+    /// Time limit of the episode in s.
+    pub time_limit: f64,
+    /// Time in s at which the last scheduled push begins, if it does so before the end.
+    push: Option<f64>,
+}
+
+impl Judged {
+    /// The judged time of an episode with a time limit and a last scheduled push in s.
+    pub fn of(time_limit: f64, push: Option<f64>) -> Self {
+        Self { time_limit, push: push.filter(|push| *push < time_limit) }
+    }
+
+    /// Its duration in s.
+    pub fn seconds(&self) -> f64 {
+        self.time_limit - self.push.unwrap_or(0.0)
+    }
+
+    /// The judged time in words, with times written by `shown`: `2 s`, `1 s after the push at 1 s`.
+    pub fn span_in_words(&self, shown: impl Fn(f64) -> String) -> String {
+        match self.push {
+            Some(_) => self.end_in_words(shown),
+            None => shown(self.time_limit),
+        }
+    }
+
+    /// The end of the episode in words, with times written by `shown`: `after 2 s`, `1 s after the push at 1 s`.
+    pub fn end_in_words(&self, shown: impl Fn(f64) -> String) -> String {
+        match self.push {
+            Some(push) => format!("{} after the push at {}", shown(self.seconds()), shown(push)),
+            None => format!("after {}", shown(self.time_limit)),
+        }
+    }
+}
+
 /// The shortest episode that shows whether a task is done.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shortest {
@@ -29,9 +66,9 @@ impl Shortest {
         }
     }
 
-    /// Whether episodes of this time limit in s are long enough.
-    pub fn is_reached_by(&self, time_limit: f64) -> bool {
-        time_limit >= self.seconds - 1e-9
+    /// Whether the time in s that is judged is long enough.
+    pub fn is_reached_by(&self, judged: Judged) -> bool {
+        judged.seconds() >= self.seconds - 1e-9
     }
 
     /// `1.8 s, one cycle of the reference motion`.
@@ -54,6 +91,10 @@ mod tests {
         assert_eq!(run, stand);
         let walk = Shortest::of(Some(1.8), 0.9);
         assert_eq!(walk.in_words(), "1.8 s, one cycle of the reference motion");
-        assert!(walk.is_reached_by(1.8) && !walk.is_reached_by(1.799) && !walk.is_reached_by(0.2));
+        let reached = |limit, push| walk.is_reached_by(Judged::of(limit, push));
+        assert!(reached(1.8, None) && !reached(1.799, None) && !reached(0.2, None));
+        assert!(reached(5.8, Some(4.0)) && !reached(5.7, Some(4.0)));
+        // A push after the end does not happen.
+        assert!(reached(4.0, Some(4.0)));
     }
 }

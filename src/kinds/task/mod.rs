@@ -7,7 +7,7 @@ pub mod squat;
 pub mod stand;
 pub mod walk;
 
-pub use long_enough::Shortest;
+pub use long_enough::{Judged, Shortest};
 pub use meaning::{Bound, Criterion, Evidence, Meaning};
 pub use walk::Walk;
 
