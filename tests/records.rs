@@ -153,6 +153,85 @@ fn a_run_outlives_its_store_for_reports_and_with_its_weights_for_evaluations() {
 }
 
 #[test]
+fn a_report_from_imported_records_is_that_of_the_run_and_one_of_a_damaged_store_says_what_is_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let (first, second, saved) = (at("first"), at("second"), at("records"));
+    page(&first, &[]);
+    succeeds(&specforge(&first, &["cache", "export", "--to", saved.to_str().unwrap()], &[]));
+    // Files of another kind do not keep a record from being imported, and what may be one is named.
+    let import = || specforge(&second, &["cache", "import", saved.to_str().unwrap()], &[]);
+    fs::write(saved.join("a_notes.json"), "{\"mine\": 1}").unwrap();
+    fs::write(saved.join("b_torn.json"), "{\"format\": 3, \"run\"").unwrap();
+    fs::create_dir(saved.join("c.json")).unwrap();
+    let output = import();
+    let said = text_of(&output);
+    assert_eq!(output.status.code(), Some(4), "{said}");
+    assert!(said.contains("a_notes.json is not the record of a run, and was skipped"), "{said}");
+    assert!(
+        said.contains("error: ") && said.contains("b_torn.json: it is not the record of a run"),
+        "{said}"
+    );
+    assert!(said.contains("1 record: 6 stages restored, 0 in the store already"), "{said}");
+    fs::remove_file(saved.join("b_torn.json")).unwrap();
+    assert!(succeeds(&import()).contains("1 record: 0 stages restored, 6 in the store already"));
+
+    // The robot and the motion are not in the records, and follow from the spec.
+    let report =
+        |reports: &Path| specforge(&second, &["report", "--reports", reports.to_str().unwrap()], &[]);
+    let text = |folder: &Path| fs::read_to_string(folder.join("tocabi_walk_torque.md")).unwrap();
+    let record = |folder: &Path| -> Json {
+        let text = fs::read_to_string(folder.join("tocabi_walk_torque.json")).unwrap();
+        serde_json::from_str(&text).unwrap()
+    };
+    let (own, reports) = (first.join("reports"), at("reports"));
+    succeeds(&report(&reports));
+    assert!(!text(&reports).contains("has not been run"), "{}", text(&reports));
+    let robot = |folder: &Path| text(folder).lines().find(|line| line.contains(" kg, ")).map(str::to_owned);
+    assert!(robot(&own).is_some(), "{}", text(&own));
+    assert_eq!(robot(&reports), robot(&own));
+    let names = |folder: &Path| -> Vec<Json> {
+        let stages = record(folder)["arms"][0]["stages"].as_array().unwrap().clone();
+        stages.into_iter().map(|stage| stage["fingerprint"].clone()).collect()
+    };
+    assert_eq!(record(&reports)["facts"], record(&own)["facts"]);
+    assert_eq!(names(&reports), names(&own));
+
+    // A damaged result is left where it is, is not said to be made anew, and is missed.
+    let evaluation = records(&second.join("evaluate")).remove(0).join("evaluation.json");
+    let whole = fs::read(&evaluation).unwrap();
+    fs::write(&evaluation, "{}").unwrap();
+    let said = succeeds(&report(&at("rendered")));
+    assert!(said.contains("is damaged (") && !said.contains("missing"), "the stored report has it: {said}");
+    assert_eq!(names(&at("rendered")), names(&own));
+    fs::remove_dir_all(second.join("report")).unwrap();
+    let lacks = |reports: &Path| {
+        let output = report(reports);
+        let said = text_of(&output);
+        assert_eq!(output.status.code(), Some(4), "{said}");
+        assert!(said.contains("is damaged (") && said.contains("so it is not used"), "{said}");
+        assert!(said.contains("error: results are missing from the report: 1 of 10 stages is"), "{said}");
+        assert!(!said.contains("moved to"), "{said}");
+        assert_eq!(fs::read(&evaluation).unwrap(), b"{}");
+        assert_eq!(names(reports).len(), names(&own).len() - 1);
+    };
+    lacks(&at("lacking"));
+    let before = text(&reports);
+    assert_eq!(report(&reports).status.code(), Some(4));
+    assert_eq!(text(&reports), before, "a page with more results is kept");
+    // The same in a store that cannot be written.
+    closed(&second);
+    lacks(&at("lacking_too"));
+    fs::write(&evaluation, whole).unwrap();
+    let robot_file = records(&second.join("robot")).remove(0).join("robot.json");
+    fs::write(&robot_file, "{}").unwrap();
+    let said = succeeds(&report(&at("remade")));
+    assert!(said.contains("made anew for this command only"), "{said}");
+    assert_eq!(robot(&at("remade")), robot(&own));
+    assert_eq!(fs::read(&robot_file).unwrap(), b"{}");
+}
+
+#[test]
 fn a_longer_training_says_that_a_record_of_the_shorter_one_has_no_checkpoint() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
@@ -182,6 +261,7 @@ fn what_cannot_be_imported_or_exported_is_said_and_makes_no_store() {
     };
     refused(&store, &empty, 4, "none of its files ends with `.json`");
     refused(&store, &at("none"), 4, "cannot be read");
+    refused(&store, &photos, 4, "no records of runs in");
     refused(&store, &photos.join("a.json"), 2, "is a file, not a folder of records");
     assert!(!store.exists());
     refused(&photos, &photos, 4, "[E0813]");

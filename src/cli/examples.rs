@@ -169,9 +169,8 @@ Examples:
   specforge report --index
   specforge report --check
 
-Exit codes: 0 rendered, 3 the spec or template has errors, 4 a result is not in the store, a page was changed \
-or the
-index is out of date.";
+Exit codes: 0 rendered, 3 the spec or template has errors, 4 a result is missing from the \
+report, a page was changed or the index is out of date.";
 
 /// `trace`
 pub const TRACE: &str = "\

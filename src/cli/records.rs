@@ -99,17 +99,28 @@ pub fn import(options: &Import, store: &Store, global: &Global) -> Exit {
     match records::restore(store, &options.from, &Wait { tell: Some(&tell), ..Wait::default() }) {
         Err(error) => complain(global, &error),
         Ok(restored) => {
-            let records::Restored { records, stages, present } = restored;
+            let records::Restored { records, stages, present, foreign, refused } = restored;
             if global.format == Format::Json {
-                output::json(&json!({ "records": records, "stages": stages, "present": present }));
+                let refused: Vec<String> = refused.iter().map(RecordError::to_string).collect();
+                output::json(&json!({
+                    "records": records, "stages": stages, "present": present, "skipped": foreign,
+                    "refused": refused,
+                }));
             } else {
+                for path in &foreign {
+                    let what = "is not the record of a run, and was skipped";
+                    output::note(global, &format!("warning: {} {what}", path.display()));
+                }
+                for error in &refused {
+                    let _ = complain(global, error);
+                }
                 let [records, stages] = [counted(records, "record"), counted(stages, "stage")];
                 output::note(
                     global,
                     &format!("{records}: {stages} restored, {present} in the store already"),
                 );
             }
-            Exit::Ok
+            if refused.is_empty() { Exit::Ok } else { Exit::StageFailed }
         }
     }
 }

@@ -1,5 +1,6 @@
 //! `specforge report FILE...`: renders a report again from the store; `--index` writes the overview of all
-//! reports, `--check` finds edited pages. Never simulates.
+//! reports, `--check` finds edited pages. Never simulates: what follows from the spec alone (the robot, the
+//! reference motion) is made if it is missing, as in a store filled from records.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -10,7 +11,7 @@ use super::{Exit, Format, Global, faults, index, output, pages, run};
 use crate::exec::journal::Past;
 use crate::exec::{self, Interrupt, Store, Workshop};
 use crate::plan::why::{self, State};
-use crate::plan::{Fingerprint, StageKind};
+use crate::plan::{Fingerprint, Stage, StageKind};
 use crate::report::sidecar::{Sidecar, is_result};
 use crate::study::page_name::{Destination, Settled};
 use crate::study::works::works;
@@ -35,7 +36,7 @@ pub struct Options {
     check: bool,
 }
 
-/// Maximum number of stages that the warning about missing results names.
+/// Maximum number of stages that the message about missing results names.
 const SHOWN: usize = 3;
 
 /// Renders and publishes the report.
@@ -68,31 +69,22 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let statuses = why::statuses(&study.plan, &Past::of(&store, &study.plan));
     let absent: BTreeSet<&Fingerprint> =
         statuses.iter().filter(|(_, status)| status.state != State::Cached).map(|(key, _)| key).collect();
-    let missing = missing(&study, &absent);
-    let all = study.plan.stages().filter(|stage| stage.kind != StageKind::Report).count();
-    if !missing.is_empty() {
-        let record = Sidecar::path(&folder, &study.name);
-        if let Some((message, advice)) = refusal(&study, &absent, &record) {
-            let message = format!(
-                "{message}: {} of {all} stages are not in the store, {}",
-                missing.len(),
-                some(&missing)
-            );
-            output::complain(global, &message, Some(&advice));
-            return Exit::StageFailed;
-        }
-        let (lacking, shown, absent) =
-            (missing.len(), some(&missing), "not in the store, and so not in the report");
-        output::note(global, &format!("warning: {lacking} of {all} stages are {absent}: {shown}"));
+    // A stored report has all results, whatever happened to those since.
+    let is_rendered = report_of(&study).is_some_and(|report| !absent.contains(&report.fingerprint));
+    let derived = if is_rendered { BTreeSet::new() } else { derived(&study, &absent) };
+    let absent = absent.into_iter().filter(|key| !is_rendered && !derived.contains(*key)).collect();
+    if let Err(exit) = protect(&study, &absent, &folder, global) {
+        return exit;
     }
     output::note(global, &note.unwrap_or_default());
-    let destination = Destination { folder: &folder, own: &own };
+    let rendering =
+        Rendering { study: &study, derived, destination: Destination { folder: &folder, own: &own } };
     if store.is_writable() {
-        return execute(&study, &store, destination, global);
+        return rendering.execute(&store, global);
     }
     // Rendering only reads the results, so a store that cannot be written is enough.
     match tempfile::tempdir() {
-        Ok(beside) => execute(&study, &Store::over(&store, beside.path()), destination, global),
+        Ok(beside) => rendering.execute(&Store::over(&store, beside.path()), global),
         Err(error) => {
             let path = std::env::temp_dir();
             let message = format!("the report cannot be rendered: {}: {error}", path.display());
@@ -100,6 +92,49 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             Exit::StageFailed
         }
     }
+}
+
+/// The stage that renders the report.
+fn report_of(study: &Study) -> Option<&Stage> {
+    study.plan.stages().find(|stage| stage.kind == StageKind::Report)
+}
+
+/// The stages that are missing although they follow from the spec alone, for the arms with a result.
+fn derived(study: &Study, absent: &BTreeSet<&Fingerprint>) -> BTreeSet<Fingerprint> {
+    let there = study.plan.stages().filter(|stage| !absent.contains(&stage.fingerprint));
+    let users = there.flat_map(|stage| &stage.users).filter(|user| is_result(&user.stage));
+    let arms: BTreeSet<&str> = users.map(|user| user.arm.as_str()).collect();
+    let is_derived = |stage: &&Stage| {
+        let is_used = || stage.users.iter().any(|user| arms.contains(user.arm.as_str()));
+        stage.kind.is_of_spec_alone() && absent.contains(&stage.fingerprint) && is_used()
+    };
+    study.plan.stages().filter(is_derived).map(|stage| stage.fingerprint.clone()).collect()
+}
+
+/// Refuses an incomplete report without results, or with fewer than the page that it would replace. Reports
+/// the error; `Err` is the exit code.
+fn protect(
+    study: &Study,
+    absent: &BTreeSet<&Fingerprint>,
+    folder: &Path,
+    global: &Global,
+) -> Result<(), Exit> {
+    let missing = missing(study, absent);
+    if missing.is_empty() {
+        return Ok(());
+    }
+    let Some((message, advice)) = refusal(study, absent, &Sidecar::path(folder, &study.name)) else {
+        return Ok(());
+    };
+    output::complain(global, &format!("{message}: {}", not_in_the_store(study, &missing)), Some(&advice));
+    Err(Exit::StageFailed)
+}
+
+/// `3 of 12 stages are not in the store: robot, env and 1 more; ...`
+fn not_in_the_store(study: &Study, missing: &[String]) -> String {
+    let all = study.plan.stages().filter(|stage| stage.kind != StageKind::Report).count();
+    let verb = if missing.len() == 1 { "is" } else { "are" };
+    format!("{} of {all} stages {verb} not in the store, or damaged: {}", missing.len(), some(missing))
 }
 
 /// The stages whose results will be missing from the report.
@@ -133,37 +168,64 @@ fn refusal(study: &Study, absent: &BTreeSet<&Fingerprint>, record: &Path) -> Opt
     page::objection(record, results, again)
 }
 
-fn execute(study: &Study, store: &Store, destination: Destination, global: &Global) -> Exit {
-    let (works, interrupt) = (works(study), Interrupt::default());
-    let events = run::audience(global);
-    let plan = &study.plan;
-    let selected = plan.stages().filter(|stage| stage.kind == StageKind::Report);
-    let selected: BTreeSet<_> = selected.map(|stage| stage.fingerprint.clone()).collect();
-    let settings =
-        exec::Options { jobs: 1, keep_going: true, selected, reasons: Default::default(), single: None };
-    let workshop = Workshop { plan, store, works: &works, events: events.as_ref(), interrupt: &interrupt };
-    let outcome = match exec::run(&workshop, &settings) {
-        Ok(outcome) => outcome,
-        Err(error) => return faults::store(global, &error),
-    };
-    let Some(artefact) = outcome.report.filter(|_| outcome.failures.is_empty()) else {
-        return Exit::StageFailed;
-    };
-    let tell = |text: &str| output::note(global, text);
-    let ready = match publication::ready(&artefact, study, destination, &workshop, &tell) {
-        Ok(ready) => ready,
-        Err(error) => return faults::unready(&error, global),
-    };
-    match ready.publish(&|text| tell(&format!("warning: {text}"))) {
-        Err(error) => faults::store(global, &error),
-        Ok(path) => {
-            if global.format == Format::Json {
-                output::data(&serde_json::json!({ "report": path.display().to_string() }).to_string());
-            } else {
-                output::data(&path.display().to_string());
-            }
-            Exit::Ok
+/// A report to render.
+struct Rendering<'a> {
+    study: &'a Study,
+    /// The missing stages that are made for it.
+    derived: BTreeSet<Fingerprint>,
+    destination: Destination<'a>,
+}
+
+impl Rendering<'_> {
+    /// Renders and publishes the report. Fails after that if results are missing from it.
+    fn execute(self, store: &Store, global: &Global) -> Exit {
+        let Self { study, derived, destination } = self;
+        let (works, interrupt) = (works(study), Interrupt::default());
+        let events = run::audience(global);
+        let plan = &study.plan;
+        let selected = plan.stages().filter(|stage| stage.kind == StageKind::Report);
+        let selected: BTreeSet<_> = selected.map(|stage| stage.fingerprint.clone()).chain(derived).collect();
+        let settings =
+            exec::Options { jobs: 1, keep_going: true, selected, reasons: Default::default(), single: None };
+        let workshop =
+            Workshop { plan, store, works: &works, events: events.as_ref(), interrupt: &interrupt };
+        let outcome = match exec::run(&workshop, &settings) {
+            Ok(outcome) => outcome,
+            Err(error) => return faults::store(global, &error),
+        };
+        let Some(artefact) = outcome.report.as_ref().filter(|_| outcome.failures.is_empty()) else {
+            return Exit::StageFailed;
+        };
+        // Damage in large files is found only when they are read.
+        let there: BTreeSet<&Fingerprint> = outcome.worked.iter().chain(&outcome.cached).collect();
+        let is_whole = report_of(study).is_some_and(|report| artefact.ends_with(report.fingerprint.as_str()));
+        let keys = plan.stages().map(|stage| &stage.fingerprint);
+        let absent: BTreeSet<&Fingerprint> = keys.filter(|key| !is_whole && !there.contains(key)).collect();
+        if let Err(exit) = protect(study, &absent, destination.folder, global) {
+            return exit;
         }
+        let tell = |text: &str| output::note(global, text);
+        let ready = match publication::ready(artefact, study, destination, &workshop, &tell) {
+            Ok(ready) => ready,
+            Err(error) => return faults::unready(&error, global),
+        };
+        let path = match ready.publish(&|text| tell(&format!("warning: {text}"))) {
+            Ok(path) => path,
+            Err(error) => return faults::store(global, &error),
+        };
+        let missing = missing(study, &absent);
+        if global.format == Format::Json {
+            let answer = serde_json::json!({ "report": path.display().to_string(), "missing": missing });
+            output::data(&answer.to_string());
+        } else {
+            output::data(&path.display().to_string());
+            if !missing.is_empty() {
+                let lacking = not_in_the_store(study, &missing);
+                let message = format!("results are missing from the report: {lacking}");
+                output::complain(global, &message, Some("`specforge run` the same files to make them"));
+            }
+        }
+        if missing.is_empty() { Exit::Ok } else { Exit::StageFailed }
     }
 }
 

@@ -91,7 +91,7 @@ impl Workshop<'_> {
         };
         let wait = Wait { interrupt: Some(self.interrupt), tell: Some(&tell) };
         let _lock = self.store.lock(&stage.fingerprint, &wait)?;
-        if self.settle(stage, Depth::Full)? {
+        if self.settle(stage, Depth::Full, true)? {
             return Ok(Ending::Cached);
         }
         let inputs = self.inputs(order)?;
@@ -199,21 +199,28 @@ impl Workshop<'_> {
         }
     }
 
-    /// Whether the artefact is there and whole. Moves a damaged one aside with a warning.
-    pub fn settle(&self, stage: &Stage, depth: Depth) -> Result<bool, StoreError> {
-        match self.store.inspect(stage.kind, &stage.fingerprint, depth) {
-            Cached::Yes => Ok(true),
-            Cached::No => Ok(false),
-            Cached::Damaged(reason) => {
-                let place = self.store.quarantine(stage.kind, &stage.fingerprint)?;
-                let place = place.display();
-                let message =
-                    format!("the stored artefact was damaged ({reason}); moved to {place} and made anew");
-                let (stage, code) = (Some(self.plan.label(stage)), Some("R0003".into()));
-                self.events.emit(Event::Warning { stage, code, message, help: None });
-                Ok(false)
-            }
-        }
+    /// Whether the artefact is there and whole. Warns of a damaged one. If this run makes it anew
+    /// (`is_selected`), it is first moved aside; otherwise it stays where it is and is not used.
+    pub fn settle(&self, stage: &Stage, depth: Depth, is_selected: bool) -> Result<bool, StoreError> {
+        let (kind, key) = (stage.kind, &stage.fingerprint);
+        let reason = match self.store.inspect(kind, key, depth) {
+            Cached::Yes => return Ok(true),
+            Cached::No => return Ok(false),
+            Cached::Damaged(reason) => reason,
+        };
+        let damaged = format!("the stored artefact was damaged ({reason})");
+        let (message, help) = if !is_selected {
+            let message = format!("the stored artefact is damaged ({reason}), so it is not used");
+            (message, Some("`specforge run` the same files: it is moved aside and made anew".to_owned()))
+        } else if self.store.is_borrowed(kind, key) {
+            (format!("{damaged}; made anew for this command only, as the store cannot be written"), None)
+        } else {
+            let place = self.store.quarantine(kind, key)?;
+            (format!("{damaged}; moved to {} and made anew", place.display()), None)
+        };
+        let (stage, code) = (Some(self.plan.label(stage)), Some("R0003".into()));
+        self.events.emit(Event::Warning { stage, code, message, help });
+        Ok(false)
     }
 
     /// Removes an artefact that was restored without its weights, so that it is made again. Returns whether

@@ -160,13 +160,13 @@ impl<'a> Board<'a> {
         let (mut read, mut continued) = (BTreeSet::new(), BTreeSet::new());
         for stage in workshop.plan.stages().rev() {
             let depth = if read.contains(&stage.fingerprint) { Depth::Full } else { Depth::Quick };
-            let is_there = workshop.settle(stage, depth)?;
-            let is_remade =
-                continued.contains(&stage.fingerprint) && options.selected.contains(&stage.fingerprint);
+            let is_selected = options.selected.contains(&stage.fingerprint);
+            let is_there = workshop.settle(stage, depth, is_selected)?;
+            let is_remade = continued.contains(&stage.fingerprint) && is_selected;
             let is_there = is_there && !(is_remade && workshop.discard_reduced(stage)?);
             let standing = match is_there {
                 true => Standing::Done,
-                false if options.selected.contains(&stage.fingerprint) => Standing::Waiting,
+                false if is_selected => Standing::Waiting,
                 false => Standing::Skipped,
             };
             if standing == Standing::Waiting {

@@ -122,6 +122,11 @@ impl Store {
         }
     }
 
+    /// Whether an artefact is that of the store below this one, in which nothing is changed.
+    pub fn is_borrowed(&self, kind: StageKind, key: &Fingerprint) -> bool {
+        self.holder(kind, key) != self.root
+    }
+
     /// The file that is locked while an artefact is made.
     pub fn lock_path(&self, key: &Fingerprint) -> PathBuf {
         self.root.join("locks").join(key.as_str())

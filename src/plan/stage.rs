@@ -244,6 +244,11 @@ impl StageKind {
         self.facts().name
     }
 
+    /// Whether its artefact follows from the spec alone, without training or simulation, within a second.
+    pub fn is_of_spec_alone(self) -> bool {
+        matches!(self, Self::Robot | Self::Motion | Self::Env | Self::Controller)
+    }
+
     /// The static facts.
     pub const fn facts(self) -> Facts {
         match self {

@@ -80,10 +80,12 @@ pub enum RecordError {
         source: std::io::Error,
     },
     /// A folder has no records.
-    #[error("no records in {}: none of its files ends with `.json`", path.display())]
+    #[error("no records of runs in {}: {reason}", path.display())]
     Absent {
         /// The folder.
         path: PathBuf,
+        /// What its files are.
+        reason: String,
     },
     /// A record cannot be written.
     #[error("the record {} cannot be written: {source}", path.display())]

@@ -16,7 +16,7 @@ use crate::seal::unsealed::Unsealed;
 use crate::{bounded, safe_fs};
 
 /// What was restored.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Debug, Default)]
 pub struct Restored {
     /// Records that were read.
     pub records: usize,
@@ -24,25 +24,47 @@ pub struct Restored {
     pub stages: usize,
     /// Stages that the store had already.
     pub present: usize,
+    /// JSON files that are not records of runs, which were skipped.
+    pub foreign: Vec<PathBuf>,
+    /// Why records are not restored: they are damaged or of another version.
+    pub refused: Vec<RecordError>,
 }
 
-/// Restores all records in a folder. Stages that are in the store already are left unchanged; waits for those
-/// that another process is making or restoring.
+/// Restores all whole records in a folder. Other files do not keep them from it. Stages that are in the store
+/// already are left unchanged; waits for those that another process is making or restoring.
 pub fn restore(store: &Store, folder: &Path, wait: &Wait) -> Result<Restored, RecordError> {
     let paths = records_in(folder)?;
-    store.prepare()?;
+    store.identity()?;
     let mut restored = Restored::default();
     for path in paths {
-        let record = read(&path, Unsealed::known()).map_err(|reason| RecordError::at(&path, reason))?;
+        if is_foreign(&path) {
+            restored.foreign.push(path);
+            continue;
+        }
         // Check the whole record before restoring any of it.
-        let stages = record.stages.iter().map(|stage| whole(stage, folder)).collect::<Result<Vec<_>, _>>();
+        let stages = read(&path, Unsealed::known()).and_then(|record| {
+            record.stages.iter().map(|stage| whole(stage, folder)).collect::<Result<Vec<_>, _>>()
+        });
+        let stages = match stages {
+            Ok(stages) => stages,
+            Err(reason) => {
+                restored.refused.push(RecordError::at(&path, reason));
+                continue;
+            }
+        };
+        if restored.records == 0 {
+            store.prepare()?;
+        }
         restored.records += 1;
-        for stage in &stages.map_err(|reason| RecordError::at(&path, reason))? {
+        for stage in &stages {
             let is_new = restore_stage(store, stage, wait)?;
             *(if is_new { &mut restored.stages } else { &mut restored.present }) += 1;
         }
     }
-    Ok(restored)
+    match restored.records + restored.refused.len() {
+        0 => Err(RecordError::Absent { path: folder.to_owned(), reason: "none of its files is one".into() }),
+        _ => Ok(restored),
+    }
 }
 
 /// A stage whose record is consistent.
@@ -103,7 +125,9 @@ fn whole(record: &StageRecord, folder: &Path) -> Result<WholeStage, String> {
 pub fn verify(path: &Path, unsealed: &Unsealed) -> Option<Result<(), String>> {
     let text = bounded::text(path, bounded::RECORD).ok()?;
     let json: serde_json::Value = serde_json::from_str(&text).ok()?;
-    json.get("stages").filter(|_| json.get("format").is_some() || json.get("run").is_some())?;
+    if !is_like_a_record(&json) {
+        return None;
+    }
     let folder = safe_fs::folder_of(path);
     Some(
         read(path, unsealed)
@@ -111,14 +135,29 @@ pub fn verify(path: &Path, unsealed: &Unsealed) -> Option<Result<(), String>> {
     )
 }
 
-/// The records in a folder, sorted by name.
+/// Whether JSON has the form of a record of a run, of any version, whole or edited.
+fn is_like_a_record(json: &serde_json::Value) -> bool {
+    json.get("stages").is_some() && (json.get("format").is_some() || json.get("run").is_some())
+}
+
+/// Whether a file is JSON of another kind, or a folder. One that is not JSON may be a truncated record.
+fn is_foreign(path: &Path) -> bool {
+    let json = || serde_json::from_str(&bounded::text(path, bounded::RECORD).ok()?).ok();
+    path.is_dir() || json().is_some_and(|json| !is_like_a_record(&json))
+}
+
+/// The JSON files in a folder, sorted by name.
 fn records_in(folder: &Path) -> Result<Vec<PathBuf>, RecordError> {
     let fault = |source: std::io::Error| RecordError::Folder { path: folder.to_owned(), source };
     let entries = folder.read_dir().map_err(fault)?.map(|entry| entry.map(|entry| entry.path()));
     let mut paths = entries.collect::<Result<Vec<_>, _>>().map_err(fault)?;
     paths.retain(|path| path.extension().is_some_and(|ending| ending == "json"));
     paths.sort();
-    if paths.is_empty() { Err(RecordError::Absent { path: folder.to_owned() }) } else { Ok(paths) }
+    if paths.is_empty() {
+        let reason = "none of its files ends with `.json`".to_owned();
+        return Err(RecordError::Absent { path: folder.to_owned(), reason });
+    }
+    Ok(paths)
 }
 
 /// Restores a stage under its lock, so that only one of several processes does. Returns whether it did.

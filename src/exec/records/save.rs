@@ -89,10 +89,7 @@ fn is_of_another_kind(path: &Path) -> bool {
 
 /// The expensive stages of a run; all others are made again in seconds.
 fn recorded<'a>(plan: &'a Plan, arm: &ArmRecord) -> Vec<&'a Stage> {
-    let is_dear = |stage: &&Stage| {
-        use StageKind::{Evaluate, Export, FineTune, Learner, Pretrain, Transfer};
-        matches!(stage.kind, Pretrain | Learner | FineTune | Evaluate | Export | Transfer)
-    };
+    let is_dear = |stage: &&Stage| !stage.kind.is_of_spec_alone() && stage.kind != StageKind::Report;
     let keys: BTreeSet<_> = arm.stages.values().collect();
     plan.stages().filter(|stage| keys.contains(&stage.fingerprint)).filter(is_dear).collect()
 }
