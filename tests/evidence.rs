@@ -617,6 +617,36 @@ fn cleaning_removes_damaged_artefacts_of_any_age_and_none_that_a_run_uses() {
 }
 
 #[test]
+fn cleaning_removes_links_in_place_of_artefacts_and_nothing_behind_them() {
+    let (store, plan) = made();
+    drop(execute(&plan, store.path(), &Fake::default(), 1));
+    let outside = folder();
+    let [learner, env, robot] = ["learner", "env", "robot"].map(|name| artefact(store.path(), &plan, name));
+    fs::rename(&learner, outside.path().join("learner")).expect("it can be moved");
+    std::os::unix::fs::symlink(outside.path().join("learner"), &learner).expect("a link");
+    fs::remove_dir_all(&env).expect("it can be removed");
+    std::os::unix::fs::symlink(outside.path().join("nothing"), &env).expect("a link");
+    fs::remove_dir_all(&robot).expect("it can be removed");
+    fs::write(&robot, "a file").expect("it can be written");
+    let behind = files(outside.path());
+    let moved = store.path().join("damaged/motion-0123456789ab-1");
+    fs::create_dir_all(store.path().join("damaged")).expect("a folder");
+    std::os::unix::fs::symlink(outside.path(), &moved).expect("a link");
+    let (code, text) = told(&specforge(store.path(), &["cache", "verify"]));
+    assert!(code == 4 && text.contains(" 3 are damaged"), "{text}");
+    let (code, text) = told(&specforge(store.path(), &["cache", "gc", "--dry-run"]));
+    assert!(code == 0 && learner.is_symlink() && text.contains("4 entries"), "{text}");
+    let (code, text) = told(&specforge(store.path(), &["cache", "gc"]));
+    assert_eq!(code, 0, "{text}");
+    for path in [&learner, &env, &robot, &moved] {
+        assert!(path.symlink_metadata().is_err(), "{}: {text}", path.display());
+    }
+    assert_eq!(files(outside.path()), behind);
+    let (code, text) = told(&specforge(store.path(), &["cache", "verify"]));
+    assert!(code == 0 && text.contains(" 0 are damaged"), "{text}");
+}
+
+#[test]
 fn the_lease_of_a_process_that_was_killed_ends_with_it() {
     let (store, ..) = superseded();
     fs::write(store.path().join("leases/999999.0"), "0".repeat(64)).expect("it can be written");

@@ -118,16 +118,13 @@ fn artefacts(
         }
         for key in store.entries(kind)? {
             let folder = store.folder(kind, &key);
-            if !is_real(&folder, Metadata::is_dir) {
-                continue;
-            }
             if matches!(store.inspect(kind, &key, Depth::Full), Cached::Damaged(_)) {
                 let lock = lock::attempt(&store.lock_path(&key))?.filter(|_| !held.contains(&key));
                 match lock {
                     Some(_) => {
-                        cleaning
-                            .waste
-                            .push(entry(format!("damaged {} {}", kind.name(), key.short()), folder));
+                        let link = if folder.is_symlink() { "link in place of" } else { "damaged" };
+                        let what = format!("{link} {} {}", kind.name(), key.short());
+                        cleaning.waste.push(entry(what, folder));
                     }
                     None => cleaning.leased += 1,
                 }
@@ -166,7 +163,9 @@ fn checkpoint(store: &Store, held: &BTreeSet<Fingerprint>, path: PathBuf) -> Opt
 /// Removes the waste, and repairs a journal that was overridden.
 pub fn remove(cleaning: &Cleaning, wait: &Wait) -> Result<(), StoreError> {
     for Waste { path, .. } in &cleaning.waste {
-        let removed = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+        // Of a link only the link itself is removed.
+        let is_folder = is_real(path, Metadata::is_dir);
+        let removed = if is_folder { fs::remove_dir_all(path) } else { fs::remove_file(path) };
         removed.map_err(|error| StoreError::writing(path, error))?;
     }
     let Some((journal, folder)) = &cleaning.mend else { return Ok(()) };
@@ -195,13 +194,13 @@ fn entry(what: String, path: PathBuf) -> Waste {
     Waste { what, path, size, _lock: None }
 }
 
-/// The entries of a folder of the store; none if the folder is a link.
+/// The entries of a folder of the store, links among them; none if the folder itself is a link.
 fn children(folder: &Path) -> Vec<PathBuf> {
     if !is_real(folder, Metadata::is_dir) {
         return Vec::new();
     }
     let entries = folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.path());
-    let mut paths: Vec<PathBuf> = entries.filter(|path| !path.is_symlink()).collect();
+    let mut paths: Vec<PathBuf> = entries.collect();
     paths.sort();
     paths
 }
