@@ -13,10 +13,12 @@ use std::time::{Duration, Instant};
 
 use specforge::exec::events::Record;
 use specforge::exec::{self, Interrupt, Store, Work, Works, Workshop};
-use specforge::plan::{Arm, Request, StageKind};
+use specforge::plan::{Arm, Request, StageKind, SuiteRecord};
 use specforge::report::sidecar::Sidecar;
 use specforge::report::{ReportWork, Templates};
-use specforge::spec::Value;
+use specforge::spec::{Claim, Value};
+use specforge::study::Study;
+use specforge::study::page_name::{self, Destination};
 
 /// A folder with a store, and the reports that its plans have.
 struct Project(tempfile::TempDir);
@@ -198,6 +200,66 @@ fn a_spec_that_was_moved_keeps_its_page_and_another_commit_is_no_reason() {
     fs::write(&path, record.to_json()).expect("written");
     assert_eq!(told(&project.report(&[asked("specs/moved.toml", None, &[])])), "");
     assert_eq!(project.pages(), ["atlas_run_torque.md"]);
+}
+
+#[test]
+fn specs_of_one_name_in_several_folders_have_a_page_each() {
+    for shared_place in [false, true] {
+        let project = Project::new();
+        let arm = |folder: &str| {
+            let spec = format!("{folder}/atlas_run_torque.toml");
+            fs::create_dir_all(project.path(folder)).expect("a folder");
+            fs::write(project.path(&spec), "spec = 1\n").expect("it can be written");
+            let mut arm = asked(&spec, None, &[]);
+            if shared_place {
+                // Each folder is a project of its own.
+                arm.request.place = "atlas_run_torque.toml".into();
+            }
+            arm
+        };
+        let arms = ["a", "b", "c"].map(arm);
+        assert_eq!(told(&project.report(&arms[..1])), "");
+        let first = project.page("atlas_run_torque.md");
+        for _ in 0..2 {
+            for arm in &arms[1..] {
+                let said = told(&project.report(std::slice::from_ref(arm)));
+                assert!(
+                    said.contains("is of another spec (a/atlas_run_torque.toml), so this report"),
+                    "{said}"
+                );
+            }
+            assert_eq!(told(&project.report(&arms[..1])), "");
+            assert_eq!(project.pages().len(), 3, "{:?}", project.pages());
+            assert_eq!(project.page("atlas_run_torque.md"), first);
+        }
+    }
+}
+
+#[test]
+fn a_moved_suite_keeps_its_page_unless_its_claims_are_others() {
+    let project = Project::new();
+    project.report(&[asked(SPEC, None, &[])]);
+    let moved = asked("specs/moved.toml", None, &[]);
+    let suite = Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/studies/squatting.toml");
+    let named = |claims: Vec<Claim>| {
+        let mut plan = arms::plan(std::slice::from_ref(&moved));
+        let suite = SuiteRecord {
+            name: "s".into(),
+            axes: Vec::new(),
+            arms: 1,
+            seeds: Vec::new(),
+            claims,
+            claims_count: false,
+        };
+        plan.suite = Some(suite);
+        let (name, profiles) = ("atlas_run_torque".to_owned(), Vec::new());
+        let study = Study { plan, name, project: project.path(""), profiles };
+        let folder = project.path("reports");
+        page_name::choice(&study, Destination { folder: &folder, own: "atlas_run_torque" }).name
+    };
+    assert_eq!(named(Vec::new()), "atlas_run_torque");
+    let claims = specforge::check::suite(&suite, &Default::default()).claims;
+    assert!(named(claims).starts_with("atlas_run_torque.full."));
 }
 
 #[test]

@@ -9,15 +9,19 @@ use std::path::{Path, PathBuf};
 
 use super::{Study, standing};
 use crate::plan::{Plan, PlanError, Request};
+use crate::report::claim;
 use crate::report::gather::named;
 use crate::report::index;
 use crate::report::sidecar::{ArmRecord, Sidecar};
 use crate::report::table::setup::budget_of;
 use crate::report::{fields, wording};
-use crate::spec::Table;
+use crate::spec::{Claim, Table};
 
 /// The profile in the page name of a run without one.
 const NO_PROFILE: &str = "full";
+
+/// Most names that are tried for a report whose own is taken.
+const MOST_NAMES: u32 = 100;
 
 /// Most bytes of a profile in a page name; the digest covers the rest.
 const LONGEST_PROFILE: usize = 60;
@@ -86,7 +90,11 @@ pub fn choice(study: &Study, destination: Destination) -> Choice {
     let is_plain = !is_other_spec && request.assignments.is_empty() && short == plain;
     let name = match is_plain && taken(study, folder, &beside).is_none() {
         true => beside,
-        false => format!("{beside}.{}", digest(&study.plan, &request)),
+        false => {
+            let numbered = |number| format!("{beside}.{}", digest(&study.plan, &request, number));
+            let mut names = (0..MOST_NAMES).map(numbered);
+            names.find(|name| taken(study, folder, name).is_none()).unwrap_or_else(|| numbered(MOST_NAMES))
+        }
     };
     let page = |name: &str| folder.join(format!("{name}.md")).display().to_string();
     let note = format!("{} {reason}, so this report is {}", page(own), page(&name));
@@ -154,24 +162,40 @@ fn is_same_spec(record: &Sidecar, files: &[PathBuf], study: &Study) -> bool {
     let plan = &study.plan;
     let requests: Vec<&Request> = plan.arms.iter().take(named(plan)).map(|arm| &arm.request).collect();
     let places: Vec<&str> = requests.iter().map(|request| request.place.as_str()).collect();
-    let same_places = if record.specs.is_empty() || places.contains(&"") {
-        let pairs = files.iter().zip(&requests);
-        files.len() == requests.len()
-            && pairs
-                .into_iter()
-                .all(|(file, request)| is_same_file(file, Path::new(&request.spec), &study.project))
-    } else {
-        record.specs == places
+    let pairs = || files.iter().zip(requests.iter().map(|request| Path::new(&request.spec)));
+    let others = pairs().any(|(recorded, present)| are_two_files(recorded, present, &study.project));
+    if others || files.len() != requests.len() {
+        return false;
+    }
+    let same_places = match record.specs.is_empty() || places.contains(&"") {
+        true => pairs().all(|(recorded, present)| is_same_file(recorded, present, &study.project)),
+        false => record.specs == places,
     };
-    same_places || has_same_values(record, plan)
+    // A spec that was moved; a suite with other claims is another one.
+    same_places || has_same_values(record, plan) && has_same_claims(record, plan)
 }
 
 /// Whether two paths, relative to the project or the current folder, are the same file.
 fn is_same_file(recorded: &Path, present: &Path, project: &Path) -> bool {
-    let real = |path: &Path| -> BTreeSet<PathBuf> {
-        [project.join(path), path.to_owned()].iter().filter_map(|path| path.canonicalize().ok()).collect()
-    };
-    recorded == present || !real(recorded).is_disjoint(&real(present))
+    recorded == present || !real(recorded, project).is_disjoint(&real(present, project))
+}
+
+/// Whether both files exist and are different ones. Two projects may have a spec at the same place in each.
+fn are_two_files(recorded: &Path, present: &Path, project: &Path) -> bool {
+    let exist = [recorded, present].iter().all(|path| !real(path, project).is_empty());
+    exist && !is_same_file(recorded, present, project)
+}
+
+/// The files that a path may name, relative to the project or the current folder.
+fn real(path: &Path, project: &Path) -> BTreeSet<PathBuf> {
+    [project.join(path), path.to_owned()].iter().filter_map(|path| path.canonicalize().ok()).collect()
+}
+
+/// Whether a record has judged the claims of a plan.
+fn has_same_claims(record: &Sidecar, plan: &Plan) -> bool {
+    let claims = plan.suite.as_ref().map_or(&[][..], |suite| suite.claims.as_slice());
+    let is_judged = |claim: &Claim| record.claims.iter().any(|judged| claim::is_of(judged, claim));
+    record.claims.len() == claims.len() && claims.iter().all(is_judged)
 }
 
 /// Whether all arms of a record have the same values as those of a plan.
@@ -227,13 +251,17 @@ fn budget_words(record: &Sidecar) -> String {
     words.join(", ")
 }
 
-/// Eight digits that identify a report's specs and options; the same for the same command.
-fn digest(plan: &Plan, request: &Request) -> String {
+/// Eight digits that identify a report's specs and options; the same for the same command. A number above 0
+/// gives other digits, for when those are taken.
+fn digest(plan: &Plan, request: &Request, number: u32) -> String {
     let mut hasher = blake3::Hasher::new();
     for request in plan.arms.iter().take(named(plan)).map(|arm| &arm.request) {
         let place = if request.place.is_empty() { &request.spec } else { &request.place };
         hasher.update(place.as_bytes()).update(&[0]);
     }
     hasher.update(format!("{:?}{:?}{:?}", request.profile, request.assignments, budgets_of(plan)).as_bytes());
+    if number > 0 {
+        hasher.update(&number.to_le_bytes());
+    }
     hasher.finalize().to_hex()[..8].to_owned()
 }
