@@ -5,11 +5,15 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use specforge::report::claim::{Ruling, again};
+use specforge::plan::StageKind;
+use specforge::report::claim::{Judged, Ruling, again, expectation, measured};
 use specforge::report::earlier::{NOTICE, unmarked};
-use specforge::report::sidecar::{Item, RULES, Sidecar};
+use specforge::report::model::StageRecord;
+use specforge::report::sidecar::{ArmRecord, Facts, Item, RULES, Sidecar};
 use specforge::report::{ReportFile, digests, listing};
 use specforge::seal::{self, REMOVED};
+use specforge::spec::{Claim, Value};
+use specforge::study::{Log, Study, out_of_date, standing};
 use tempfile::TempDir;
 
 /// The suite that an index is asked for.
@@ -113,10 +117,13 @@ fn reports_that_nobody_touched_are_whole_and_have_an_index() {
     fs::write(folder.path().join("studies/notes.md"), "# Notes\n").expect("it can be written");
     let output = report(folder.path(), &["--check", "--format", "json"]);
     let answer: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    assert_eq!(
-        answer,
-        serde_json::json!({ "whole": 2, "differing": [], "out_of_date": [], "unverifiable": [], "runs": 0 })
-    );
+    // Their specs are made up.
+    let older = answer["out_of_date"].as_array().expect("a list").iter().map(|older| older["reason"].clone());
+    let expected = ["run", "walk"].map(|name| format!("its spec specs/{name}.toml does not exist"));
+    assert_eq!(older.collect::<Vec<_>>(), expected);
+    let differing = serde_json::json!([]);
+    assert_eq!((&answer["whole"], &answer["differing"]), (&serde_json::json!(2), &differing));
+    assert_eq!((&answer["unverifiable"], &answer["runs"]), (&differing, &serde_json::json!(0)));
     let output = report(folder.path(), &["--index", SUITE]);
     assert!(output.status.success(), "{}", told(&output));
     let index = fs::read_to_string(folder.path().join("README.md")).expect("an index");
@@ -307,6 +314,7 @@ fn an_index_that_was_edited_or_is_older_than_a_record_is_found_and_written_again
     let index = folder.path().join("README.md");
     let check = || report(folder.path(), &["--check"]);
     let write = || assert!(report(folder.path(), &["--index", SUITE]).status.success());
+    let again = format!("`specforge report --index --reports {}` writes it again", folder.path().display());
     write();
     assert!(check().status.success(), "{}", told(&check()));
     edited(&index, "walk", "work");
@@ -315,7 +323,7 @@ fn an_index_that_was_edited_or_is_older_than_a_record_is_found_and_written_again
         check().status.code() == Some(4) && text.contains("README.md: it was changed after it was written"),
         "{text}"
     );
-    assert!(text.contains("`specforge report --index` writes it again"), "{text}");
+    assert!(text.contains(&again), "{text}");
     write();
     let whole = fs::read_to_string(&index).expect("an index");
     let without = whole.trim_end().rsplit_once('\n').expect("it has lines").0;
@@ -325,8 +333,8 @@ fn an_index_that_was_edited_or_is_older_than_a_record_is_found_and_written_again
     publish(&folder.path().join("studies"), "stand");
     let text = told(&check());
     assert!(text.contains("it is out of date: it was written from other records"), "{text}");
-    assert!(text.contains("changed: 0; out of date: 1") && !text.contains("R0013"), "{text}");
-    assert!(text.contains("`specforge report --index` writes it again"), "{text}");
+    assert!(text.contains("changed: 0; out of date: 4") && !text.contains("R0013"), "{text}");
+    assert!(text.contains(&again), "{text}");
     assert_eq!(check().status.code(), Some(4), "{text}");
     write();
     assert!(check().status.success(), "{}", told(&check()));
@@ -335,30 +343,53 @@ fn an_index_that_was_edited_or_is_older_than_a_record_is_found_and_written_again
     assert!(check().status.success(), "{}", told(&check()));
 }
 
+/// The record of a page that its command would render today, in which all runs have their results.
+fn current(command: &str) -> Sidecar {
+    let record = Sidecar { command: command.to_owned(), ..Sidecar::default() };
+    let recorded = standing::recorded(&record).expect("a command of this program");
+    let study = Study::read(&recorded.files, &recorded.options, &mut Log::default()).expect("a valid suite");
+    let suite = study.plan.suite.clone().expect("a suite");
+    let judged = |claim: &Claim| Judged {
+        id: claim.id.clone(),
+        text: claim.text.clone(),
+        metric: measured(claim),
+        expect: expectation(claim),
+        ..Judged::default()
+    };
+    let stage = |(stage, key): (&String, &specforge::plan::Fingerprint)| StageRecord {
+        stage: stage.clone(),
+        fingerprint: key.to_string(),
+        ..StageRecord::default()
+    };
+    let arms = study.plan.arms.iter().map(|arm| ArmRecord {
+        name: arm.name.clone(),
+        stages: arm.stages.iter().map(stage).collect(),
+        ..ArmRecord::default()
+    });
+    let runs = study.plan.arms.len();
+    let facts = Facts { seeds: suite.seeds, runs, complete: runs, ..Facts::default() };
+    let report = study.plan.stages().find(|stage| stage.kind == StageKind::Report).expect("a report");
+    let summary = match &report.fields["summary"] {
+        Value::Text(text) => text.clone(),
+        other => panic!("{other:?} is no summary"),
+    };
+    let claims = suite.claims.iter().map(judged).collect();
+    Sidecar { summary, facts: Some(facts), claims, arms: arms.collect(), ..record }
+}
+
 #[test]
 fn a_page_whose_claims_changed_in_its_suite_is_out_of_date() {
     let folder = tempfile::tempdir().expect("a folder");
-    let suite = Path::new(env!("CARGO_MANIFEST_DIR")).join(SUITE);
-    let text = fs::read_to_string(&suite).expect("a suite");
-    let claims = specforge::check::suite(&suite, &Default::default()).claims;
-    let judged = |claim: &specforge::spec::claim::Claim| specforge::report::claim::Judged {
-        id: claim.id.clone(),
-        text: claim.text.clone(),
-        metric: specforge::report::claim::measured(claim),
-        expect: specforge::report::claim::expectation(claim),
-        ..Default::default()
-    };
-    let command = format!("specforge run {SUITE}");
-    let record = Sidecar { command, claims: claims.iter().map(judged).collect(), ..Sidecar::default() };
-    let found = |record: &Sidecar| specforge::study::out_of_date::claims(record);
-    assert_eq!(found(&record), None, "{text}");
+    let record = current(&format!("specforge run {SUITE}"));
+    let found = |record: &Sidecar| out_of_date::find(record, Path::new("reports/studies"));
+    assert_eq!(found(&record), None);
     let mut other = record.clone();
     other.claims[0].text = "Another sentence".into();
     let id = &record.claims[0].id;
     let reason = found(&other).expect("it is out of date").reason;
     assert!(reason.contains(&format!("the claim `{id}` changed in {SUITE}")), "{reason}");
     let mut more = record.clone();
-    more.claims.push(specforge::report::claim::Judged { id: "gone".into(), ..Default::default() });
+    more.claims.push(Judged { id: "gone".into(), ..Default::default() });
     assert!(found(&more).expect("it is out of date").reason.contains("`gone`"));
     // The command says so, and the page is unchanged nevertheless.
     publish(folder.path(), "walk");
@@ -367,6 +398,70 @@ fn a_page_whose_claims_changed_in_its_suite_is_out_of_date() {
     assert!(output.status.success(), "{}", told(&output));
     let text = told(&output);
     assert!(text.contains("walk.md: it is out of date: the claims") && text.contains(SUITE), "{text}");
+}
+
+#[test]
+fn a_page_is_out_of_date_after_any_change_of_its_suite_or_its_parents_and_without_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str| folder.path().join(name);
+    let command = |words: &[&str]| {
+        let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
+        command.current_dir(folder.path()).args(words).assert().success();
+    };
+    command(&["new", "walk.toml", "--standalone", "--task", "walk", "--robot", "tocabi"]);
+    command(&["new", "s.toml", "--suite", "walk.toml"]);
+    let record = current(&format!("specforge run {} --profile quick", file("s.toml").display()));
+    let found = || out_of_date::find(&record, &file("reports"));
+    assert_eq!(found(), None);
+    let changes = |name: &str, from: &str, to: &str, reason: &str| {
+        let text = fs::read_to_string(file(name)).expect("it is there");
+        edited(&file(name), from, to);
+        let told = found().unwrap_or_else(|| panic!("`{to}` is not seen"));
+        assert!(told.reason.contains(reason), "{to}: {}", told.reason);
+        let again = format!("specforge report {} --profile quick --reports", file("s.toml").display());
+        assert!(told.fix.contains(&again) || told.fix.contains("specforge check"), "{}", told.fix);
+        assert!(told.fix.contains("--profile quick"), "{}", told.fix);
+        fs::write(file(name), text).expect("it can be written");
+        assert_eq!(found(), None);
+    };
+    changes("s.toml", "What the weight", "How the weight", "its summary changed");
+    changes("s.toml", "seeds = 3", "seeds = [1, 2, 3, 7]", "the seeds are");
+    changes("s.toml", "values = [0.05, 0.2]", "values = [0.05, 0.2, 0.3]", "stages differ");
+    changes("walk.toml", "speed = \"0.2 m/s\"", "speed = \"0.3 m/s\"", "stages differ (evaluate");
+    changes("walk.toml", "episodes = 32", "episodes = 33", "stages differ (evaluate, transfer)");
+    changes("s.toml", "a > 50 %", "a > 60 %", "the claim `heavier_survives` changed");
+    changes("walk.toml", "[evaluate.nominal]", "[evaluate.nominal", "its specs have errors now");
+    for name in ["walk.toml", "s.toml"] {
+        let text = fs::read_to_string(file(name)).expect("it is there");
+        fs::remove_file(file(name)).expect("it is there");
+        let told = found().expect("it is seen");
+        let expected = if name == "s.toml" { "s.toml does not exist" } else { "its specs have errors now" };
+        assert!(told.reason.contains(expected), "{}", told.reason);
+        fs::write(file(name), text).expect("it can be written");
+    }
+}
+
+#[test]
+fn the_advice_names_the_options_of_the_run_and_the_folder_of_the_page() {
+    let folder = published();
+    let below = folder.path().join("studies");
+    let again = |name: &str| {
+        format!("`specforge report specs/{name}.toml --profile desk --reports {}`", below.display())
+    };
+    let advises = |case: &str, advice: &str| {
+        let text = told(&report(folder.path(), &["--check"]));
+        let helps: Vec<&str> = text.lines().filter(|line| line.starts_with("help: ")).collect();
+        assert!(helps.iter().any(|line| line.contains(advice)), "{case}: `{advice}` is not in {text}");
+    };
+    edited(&below.join("walk.md"), "It walks", "It runs");
+    advises("an edited page", &again("walk"));
+    fs::write(below.join("run/more.svg"), "<svg/>").expect("it can be written");
+    advises("a figure that no record lists", &again("run"));
+    resealed(&below, "run", |run| run.report = "other".into());
+    advises("a record of another page", &again("run"));
+    // What is in an edited record is no advice.
+    edited(&below.join("run.json"), "--profile desk", "--profile quick");
+    advises("an edited record", "`specforge report SPEC` with the `--profile` and `--set` of its run");
 }
 
 #[test]

@@ -1,5 +1,5 @@
 //! `specforge report --check`: whether the records, pages and figures in a folder of reports are unchanged
-//! since they were published. Does not need the store.
+//! since they were published, and whether their specs still are. Does not need the store.
 
 use std::path::Path;
 
@@ -13,8 +13,8 @@ use crate::study::out_of_date::{self, OutOfDate};
 /// The diagnostic's code.
 pub const CODE: &str = "R0013";
 
-/// Compares every record with its digest, values, page and figures, the index with all records, and the
-/// claims of a page with those of its suite.
+/// Compares every record with its digest, values, page and figures, the index with all records, and each page
+/// with its specs as they are now.
 pub fn check(folder: &Path, global: &Global) -> Exit {
     if !folder.is_dir() {
         let message = format!("{} is not a folder", folder.display());
@@ -24,7 +24,7 @@ pub fn check(folder: &Path, global: &Global) -> Exit {
     let found = integrity::verify(folder);
     let (whole, differing) = (found.whole().len(), found.differing().len());
     let faults = || found.faults.iter().chain(&found.unwritten);
-    let earlier = earlier(&found);
+    let earlier = earlier(&found, folder);
     if global.format == Format::Json {
         let faults = faults().map(|fault| {
             let mut document = document(fault);
@@ -67,10 +67,11 @@ pub fn check(folder: &Path, global: &Global) -> Exit {
     if differing == 0 && found.out_of_date.is_empty() { Exit::Ok } else { Exit::StageFailed }
 }
 
-/// The pages whose suites have other claims now. The pages themselves are unchanged, so this is a warning.
-fn earlier(found: &Found) -> Vec<Fault> {
+/// The pages whose specs differ now or are gone. The pages themselves are unchanged, so this is a warning.
+fn earlier(found: &Found, folder: &Path) -> Vec<Fault> {
     let of = |(page, record): (&String, &Sidecar)| {
-        let OutOfDate { reason, fix, .. } = out_of_date::claims(record)?;
+        let below = folder.join(Path::new(page).parent().unwrap_or(Path::new("")));
+        let OutOfDate { reason, fix } = out_of_date::find(record, &below)?;
         Some(Fault { report: page.clone(), file: format!("{page}.md"), reason, fix })
     };
     found.records.iter().filter_map(of).collect()

@@ -65,6 +65,12 @@ pub enum StoreError {
         /// The file.
         name: String,
     },
+    /// Something that is not part of a report has the name of one of its files.
+    #[error("{} exists and is not a file of this report; nothing was written", path.display())]
+    Occupied {
+        /// The file or folder.
+        path: PathBuf,
+    },
     /// A folder holds something other than a store.
     #[error("{} is not a store: {reason}", path.display())]
     NotAStore {
@@ -167,7 +173,7 @@ impl StoreError {
             Self::Journal { .. } => Some("E0814"),
             Self::Mark { .. } => Some("E0815"),
             Self::NotFinite { .. } => Some("R0007"),
-            Self::Unreadable { .. } | Self::Interrupted | Self::Io { .. } => None,
+            Self::Occupied { .. } | Self::Unreadable { .. } | Self::Interrupted | Self::Io { .. } => None,
         }
     }
 
@@ -190,6 +196,10 @@ impl StoreError {
                  itself may be a link",
             ),
             Self::Foreign { .. } => Some("remove the artefact and run again: the report is rendered anew"),
+            Self::Occupied { .. } => Some(
+                "move it away and render the report again with `specforge report`, or write the report elsewhere: \
+                 `--reports DIR`",
+            ),
             Self::NotAStore { .. } => Some(
                 "name the store's folder with `--store DIR`, or a folder that is empty or does not exist yet: a new store \
                      is made there",

@@ -29,6 +29,7 @@ pub mod plot;
 pub mod preflight;
 pub mod publish;
 pub mod render;
+pub mod render_command;
 pub mod returns;
 pub mod runs;
 pub mod sidecar;

@@ -5,11 +5,13 @@
 //! removed, figures and record are swapped, and the new page comes last: a page is never next to figures or a
 //! record of another run. If a kill interrupts this, the next publication recovers.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use super::edits;
+use super::integrity::is_figure;
 use super::sidecar::Sidecar;
 use crate::bounded;
 use crate::exec::StoreError;
@@ -61,7 +63,7 @@ impl<'a> Publisher<'a> {
     }
 
     /// Copies a report's files into the folder. An identical report is left alone. Files of an earlier report
-    /// that were edited by hand are copied aside first.
+    /// that were edited by hand are copied aside first; any other file in the way is an error.
     pub fn publish(&self, artefact: &Path, name: &str) -> Result<Publication, StoreError> {
         let (folder, files) = (self.folder, read(artefact, name)?);
         let page = folder.join(format!("{name}.md"));
@@ -72,6 +74,9 @@ impl<'a> Publisher<'a> {
         }
         let exchange = Exchange { folder, staging: format!(".{name}.publishing"), name };
         exchange.recover().map_err(unwritten)?;
+        if let Some(path) = in_the_way(folder, name, &files) {
+            return Err(StoreError::Occupied { path });
+        }
         exchange.stage(&files).map_err(unwritten)?;
         let is_new =
             |path: &str, bytes: &[u8]| files.iter().any(|file| file.path == path && file.bytes == bytes);
@@ -116,6 +121,32 @@ fn is_own(path: &str, name: &str) -> bool {
         return false;
     };
     rest == ".md" || rest == ".json" || rest.len() > 1 && rest.starts_with('/')
+}
+
+/// What lies where a file of the new report would be written and is not of a report: a folder, or a file that
+/// is not empty, that no record lists, and that is not a figure of specforge. Links are refused elsewhere.
+fn in_the_way(folder: &Path, name: &str, files: &[Copy]) -> Option<PathBuf> {
+    let record = Sidecar::path(folder, name);
+    let earlier = Sidecar::open(&record).ok();
+    let listed: BTreeSet<String> = match &earlier {
+        Some((earlier, seal)) => {
+            let figures = earlier.items.iter().map(|item| item.file.clone());
+            let page = format!("{name}.md");
+            figures.chain(earlier.digests_by(seal).into_keys()).chain([page]).collect()
+        }
+        None => BTreeSet::new(),
+    };
+    let is_ours = |file: &Copy, path: &Path| {
+        let is_record = file.path == format!("{name}.json") && earlier.is_some();
+        is_record || listed.contains(&file.path) || is_there(folder, file) || is_figure(path)
+    };
+    let occupied = |file: &Copy| {
+        let path = folder.join(&file.path);
+        let found = fs::symlink_metadata(&path).ok().filter(|found| !found.is_symlink())?;
+        let is_free = found.is_file() && (found.len() == 0 || is_ours(file, &path));
+        (!is_free).then_some(path)
+    };
+    files.iter().find_map(occupied)
 }
 
 /// Figures in the earlier report's record that the new report lacks. Any other files in the folder of figures
@@ -339,6 +370,43 @@ mod tests {
             assert_eq!(text(reports.join(path)), content, "{path}");
         }
         assert!(!reports.join(".walk.publishing").exists());
+    }
+
+    #[test]
+    fn a_file_of_somebody_else_in_place_of_any_part_of_a_report_stays_and_nothing_is_written() {
+        let outer = tempfile::tempdir().unwrap();
+        let store = outer.path().join("artefact");
+        for path in ["walk/a.svg", "walk/b.svg", "walk.md", "walk.json"] {
+            let reports = outer.path().join(path.replace('/', "-"));
+            fs::create_dir_all(reports.join("walk")).unwrap();
+            fs::write(reports.join(path), "<svg>drawn by hand</svg>").unwrap();
+            first(&store);
+            let error = publish(&store, &reports, "walk").unwrap_err();
+            assert!(error.to_string().contains(&format!("{path} exists and is not")), "{error}");
+            assert_eq!(below(&reports).unwrap(), [path]);
+            assert_eq!(text(reports.join(path)), "<svg>drawn by hand</svg>");
+            // An empty file is nobody's work, and neither is a figure whose record is gone.
+            let figure = "<svg><metadata>{\"report\":\"walk\"}</metadata></svg>";
+            let content = if path.ends_with(".svg") { figure } else { "" };
+            fs::write(reports.join(path), content).unwrap();
+            publish(&store, &reports, "walk").unwrap();
+            assert_eq!(text(reports.join("walk/a.svg")), "a 1");
+        }
+        // Neither is a folder moved away.
+        let reports = outer.path().join("folder");
+        fs::create_dir_all(reports.join("walk/a.svg")).unwrap();
+        fs::write(reports.join("walk/a.svg/mine.txt"), "mine").unwrap();
+        publish(&store, &reports, "walk").unwrap_err();
+        assert_eq!(text(reports.join("walk/a.svg/mine.txt")), "mine");
+        // A new figure of a report that was published before.
+        let reports = outer.path().join("earlier");
+        second(&store);
+        publish(&store, &reports, "walk").unwrap();
+        fs::write(reports.join("walk/b.svg"), "drawn by hand").unwrap();
+        first(&store);
+        publish(&store, &reports, "walk").unwrap_err();
+        assert_eq!(text(reports.join("walk.md")), "page 2");
+        assert_eq!(text(reports.join("walk/b.svg")), "drawn by hand");
     }
 
     #[test]

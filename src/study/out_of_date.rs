@@ -1,61 +1,149 @@
-//! Finds pages of suites whose claims were changed after the page was rendered. Needs the suites, not the
+//! Finds pages whose specs were changed or deleted after the page was rendered. Needs the specs, not the
 //! store.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::files::is_suite;
 use super::standing::{self, Recorded};
-use crate::check;
+use super::{Log, Study};
+use crate::plan::StageKind;
 use crate::report::claim;
+use crate::report::gather::named;
+use crate::report::index::Standing;
+use crate::report::render_command::render_command;
 use crate::report::sidecar::Sidecar;
-use crate::spec::Claim;
+use crate::report::{fields, wording};
+use crate::spec::{Claim, Value};
 
-/// How the claims of a page differ from those of its suite as it is now.
+/// How a page differs from what its command would render now.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutOfDate {
-    /// The suite.
-    pub suite: PathBuf,
     /// What differs.
     pub reason: String,
     /// How to fix it.
     pub fix: String,
 }
 
-/// Compares the verdicts of a page with the claims of its suite under the page's own options. `None` if they
-/// are those of the page, if the page is of no suite, and if its suite is no longer there.
-pub fn claims(report: &Sidecar) -> Option<OutOfDate> {
-    let Recorded { files, options } = standing::recorded(report)?;
-    let [suite] = files.as_slice() else { return None };
-    if !suite.is_file() || !is_suite(suite) {
+/// Most changed values that a reason names.
+const SHOWN: usize = 5;
+
+/// Compares a page in the folder `below` with its specs as they are now, under the page's own options: claims,
+/// summary, seeds, the report's settings and all stages. `None` if they are those of the page, and if the
+/// record has no command of this program.
+pub fn find(report: &Sidecar, below: &Path) -> Option<OutOfDate> {
+    let recorded = standing::recorded(report)?;
+    if let Some(absent) = recorded.files.iter().find(|file| !file.is_file()) {
+        let reason = format!("its spec {} does not exist", absent.display());
+        let fix =
+            "run this in the folder of its project, restore the spec, or delete page, record and figures";
+        return Some(OutOfDate { reason, fix: fix.to_owned() });
+    }
+    let Ok(study) = Study::read(&recorded.files, &recorded.options, &mut Log::default()) else {
+        let reason = "its specs have errors now, so it is unknown whether it is up to date".to_owned();
+        return Some(OutOfDate { reason, fix: format!("correct them: `{}`", recorded.command("check")) });
+    };
+    let changes: Vec<String> = [
+        claims(report, &study, &recorded),
+        summary(report, &study),
+        seeds(report, &study),
+        settings(report, &study),
+        stages(report, &study),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    if changes.is_empty() {
         return None;
     }
-    let checked = check::suite(suite, &options);
-    if checked.sink.has_errors() {
-        let reason =
-            "its suite has errors now, so it is unknown whether its claims are still those".to_owned();
-        let fix = format!("correct the suite: `specforge check {}`", suite.display());
-        return Some(OutOfDate { suite: suite.clone(), reason, fix });
-    }
-    let is_known = |claim: &Claim| report.claims.iter().any(|judged| claim::is_of(judged, claim));
-    let is_there = |id: &str| checked.claims.iter().any(|claim| claim.id == id);
-    let changed = checked.claims.iter().filter(|claim| !is_known(claim)).map(|claim| claim.id.as_str());
-    let gone = report.claims.iter().map(|judged| judged.id.as_str()).filter(|id| !is_there(id));
-    let names: Vec<String> = changed.chain(gone).map(|id| format!("`{id}`")).collect();
-    if names.is_empty() {
-        return None;
-    }
-    let plural = if names.len() == 1 { "" } else { "s" };
-    let reason = format!(
-        "it is out of date: the claim{plural} {} changed in {} since it was rendered",
-        names.join(", "),
-        suite.display()
-    );
-    Some(OutOfDate { suite: suite.clone(), reason, fix: again(report, suite) })
+    let again = render_command(report, below).unwrap_or_else(|| recorded.command("report"));
+    let fix =
+        format!("render it again: `{again}`, after `{}` where runs are missing", recorded.command("run"));
+    Some(OutOfDate { reason: format!("it is out of date: {}", changes.join("; ")), fix })
 }
 
-/// The command that renders a page again.
-fn again(report: &Sidecar, suite: &Path) -> String {
-    let command = report.command.replacen("specforge run ", "specforge report ", 1);
-    let command = if command.is_empty() { format!("specforge report {}", suite.display()) } else { command };
-    format!("render it again: `{command}`, after `specforge run` where runs are missing")
+/// The claims of a suite that the page does not have, and the other way round.
+fn claims(report: &Sidecar, study: &Study, recorded: &Recorded) -> Option<String> {
+    let suite = study.plan.suite.as_ref()?;
+    let is_known = |claim: &Claim| report.claims.iter().any(|judged| claim::is_of(judged, claim));
+    let is_there = |id: &str| suite.claims.iter().any(|claim| claim.id == id);
+    let changed = suite.claims.iter().filter(|claim| !is_known(claim)).map(|claim| claim.id.as_str());
+    let gone = report.claims.iter().map(|judged| judged.id.as_str()).filter(|id| !is_there(id));
+    let names: Vec<String> = changed.chain(gone).map(|id| format!("`{id}`")).collect();
+    let plural = if names.len() == 1 { "" } else { "s" };
+    let files: Vec<String> = recorded.files.iter().map(|file| file.display().to_string()).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "the claim{plural} {} changed in {} since it was rendered",
+            names.join(", "),
+            files.join(", ")
+        )
+    })
+}
+
+/// The summary of a suite or of a single spec. Pages of several specs quote those of all; see [`settings`].
+fn summary(report: &Sidecar, study: &Study) -> Option<String> {
+    let plan = &study.plan;
+    let stage = plan.stages().find(|stage| stage.kind == StageKind::Report).filter(|_| named(plan) == 1)?;
+    let present = match stage.fields.get("summary") {
+        Some(Value::Text(text)) => text.as_str(),
+        _ => "",
+    };
+    // Records of earlier versions have no summary.
+    (!report.summary.is_empty() && report.summary != present).then(|| "its summary changed".to_owned())
+}
+
+/// The learning seeds of a suite.
+fn seeds(report: &Sidecar, study: &Study) -> Option<String> {
+    let (facts, suite) = (report.facts.as_ref()?, study.plan.suite.as_ref()?);
+    let list = |seeds: &[u64]| match seeds {
+        [] => "those of its specs".to_owned(),
+        seeds => seeds.iter().map(u64::to_string).collect::<Vec<_>>().join(", "),
+    };
+    (facts.seeds != suite.seeds)
+        .then(|| format!("the seeds are {} now, and were {}", list(&suite.seeds), list(&facts.seeds)))
+}
+
+/// The values of specs that no stage but the report's reads: the summary and the section `report`.
+fn settings(report: &Sidecar, study: &Study) -> Option<String> {
+    let plan = &study.plan;
+    let is_setting = |path: &str| path == "summary" && named(plan) > 1 || path.starts_with(SETTINGS);
+    let mut changed: Vec<String> = Vec::new();
+    for present in plan.arms.iter().filter(|_| plan.suite.is_none()) {
+        let Some(recorded) = report.arms.iter().find(|arm| arm.name == present.name) else { continue };
+        let earlier = report.fields(recorded);
+        let table = present.fields.table();
+        let now: Vec<_> = fields::flat(&table);
+        let value =
+            |path: &String| now.iter().find(|(own, _)| own == path).map(|(_, value)| wording::value(value));
+        let paths =
+            earlier.keys().map(|path| (*path).clone()).chain(now.iter().map(|(path, _)| path.clone()));
+        for path in paths.filter(|path| is_setting(path)) {
+            let before = earlier.get(&path).map(|field| field.value.clone());
+            if value(&path) != before && !changed.contains(&path) {
+                changed.push(path);
+            }
+        }
+    }
+    changed.sort();
+    let shown: Vec<String> = changed.iter().take(SHOWN).map(|path| format!("`{path}`")).collect();
+    (!shown.is_empty()).then(|| format!("{} changed", shown.join(", ")))
+}
+
+/// The section of the report's settings, as the beginning of a path.
+const SETTINGS: &str = "report.";
+
+/// The stages that the page was rendered from and that its command would make now.
+fn stages(report: &Sidecar, study: &Study) -> Option<String> {
+    let is_complete = report.facts.as_ref().is_none_or(|facts| facts.complete == facts.runs);
+    match standing::compared(report, &study.plan) {
+        // The runs that were missing from the page are missing still, and the others are the same.
+        Standing::Earlier { gone: 0, .. } if !is_complete => None,
+        Standing::Earlier { lacking: 0, gone, .. } => {
+            Some(format!("{gone} of its stages are no longer made"))
+        }
+        Standing::Earlier { kinds, lacking, stages, .. } => Some(format!(
+            "{lacking} of {stages} stages differ ({}): a value that they read, or the program, changed",
+            kinds.join(", ")
+        )),
+        Standing::Current | Standing::WithoutSpecs => None,
+    }
 }

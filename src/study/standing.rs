@@ -7,6 +7,7 @@ use super::{Log, Refusal, Study};
 use crate::plan::{Plan, Stage, StageKind};
 use crate::report::index::Standing;
 use crate::report::sidecar::Sidecar;
+use crate::report::wording::command_of;
 use crate::spec::LoadOptions;
 
 /// The content of a record's command.
@@ -16,11 +17,22 @@ pub struct Recorded {
     pub files: Vec<PathBuf>,
     /// Their variant. A record is untrusted: it cannot permit folders outside the project.
     pub options: LoadOptions,
+    /// The folders outside the project that its run was permitted to read.
+    pub outside: Vec<String>,
+}
+
+impl Recorded {
+    /// A command with the same specs and options.
+    pub fn command(&self, verb: &str) -> String {
+        let files: Vec<String> = self.files.iter().map(|file| file.display().to_string()).collect();
+        let files: Vec<&str> = files.iter().map(String::as_str).collect();
+        command_of(verb, &files, self.options.profile.as_deref(), &self.options.sets, &self.outside)
+    }
 }
 
 /// Plans a report's command and compares the stages. `None`: the record has no command of this program.
 pub fn of(report: &Sidecar, log: &mut Log) -> Result<Option<Standing>, Refusal> {
-    let Some(Recorded { files, options }) = recorded(report) else { return Ok(None) };
+    let Some(Recorded { files, options, .. }) = recorded(report) else { return Ok(None) };
     if files.iter().any(|file| !file.is_file()) {
         return Ok(Some(Standing::WithoutSpecs));
     }
@@ -35,12 +47,12 @@ pub fn recorded(report: &Sidecar) -> Option<Recorded> {
     if words.next()? != "specforge" || words.next()? != "run" {
         return None;
     }
-    let mut recorded = Recorded { files: Vec::new(), options: LoadOptions::default() };
+    let mut recorded = Recorded { files: Vec::new(), options: LoadOptions::default(), outside: Vec::new() };
     while let Some(word) = words.next() {
         match word.as_str() {
             "--profile" => recorded.options.profile = Some(words.next()?),
             "--set" => recorded.options.sets.push(words.next()?),
-            "--allow-outside" => drop(words.next()?),
+            "--allow-outside" => recorded.outside.push(words.next()?),
             option if option.starts_with('-') => return None,
             file => recorded.files.push(PathBuf::from(file)),
         }
@@ -50,7 +62,7 @@ pub fn recorded(report: &Sidecar) -> Option<Recorded> {
 
 /// Compares the report's stages with those of a plan. The report stage is excluded, as it depends on the
 /// program that renders.
-fn compared(report: &Sidecar, plan: &Plan) -> Standing {
+pub(super) fn compared(report: &Sidecar, plan: &Plan) -> Standing {
     let made: BTreeSet<&str> =
         report.arms.iter().flat_map(|arm| &arm.stages).map(|stage| stage.fingerprint.as_str()).collect();
     let today: Vec<_> = plan.stages().filter(|stage| stage.kind != StageKind::Report).collect();
@@ -73,7 +85,6 @@ fn compared(report: &Sidecar, plan: &Plan) -> Standing {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::wording::command_of;
 
     fn read(command: &str) -> Option<Recorded> {
         recorded(&Sidecar { command: command.to_owned(), ..Sidecar::default() })
@@ -89,7 +100,9 @@ mod tests {
             &sets,
             &["/elsewhere".to_owned()],
         );
-        let Recorded { files, options } = read(&command).expect("a command of this program");
+        let whole = read(&command).expect("a command of this program");
+        assert_eq!(whole.command("run"), command);
+        let Recorded { files, options, .. } = whole;
         assert_eq!(files, [PathBuf::from("specs/a.toml"), PathBuf::from("b c.toml")]);
         assert_eq!((options.profile.as_deref(), &options.sets[..]), (Some("quick"), &sets[..]));
         assert!(options.allow_outside.is_empty(), "a record permits nothing");

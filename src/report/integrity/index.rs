@@ -26,7 +26,7 @@ impl Place<'_> {
                 (&mut found.out_of_date, reason)
             }
         };
-        let fix = "`specforge report --index` writes it again".to_owned();
+        let fix = format!("`{}` writes it again", self.index_command());
         place.push(self.fault(&path.with_extension(""), &path, reason, fix));
     }
 }

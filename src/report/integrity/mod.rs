@@ -9,10 +9,13 @@ mod stray;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+pub use self::stray::is_figure;
 use super::index::mark;
 use super::listing;
+use super::render_command::UNKNOWN;
 use super::sidecar::{RecordError, Sidecar};
 use crate::bounded;
+use crate::escape::shell;
 use crate::exec::records;
 use crate::seal::unsealed::Unsealed;
 
@@ -45,6 +48,9 @@ pub struct Found {
     pub records: BTreeMap<String, Sidecar>,
     /// The digests of their contents, by the same path.
     pub contents: BTreeMap<String, String>,
+    /// How to render them again, by the same path: the command of the run, for records that were edited only
+    /// what it consists of.
+    pub commands: BTreeMap<String, String>,
     /// Number of unchanged records of runs.
     pub runs: usize,
     /// Their paths in the folder of reports, by file name and content.
@@ -136,6 +142,14 @@ impl Place<'_> {
         path.strip_prefix(self.folder).unwrap_or(path).display().to_string()
     }
 
+    /// The command that writes the index of the folder of all reports.
+    fn index_command(&self) -> String {
+        match self.folder == Path::new("reports") {
+            true => "specforge report --index".to_owned(),
+            false => format!("specforge report --index --reports {}", shell::argument(self.folder)),
+        }
+    }
+
     fn fault(&self, page: &Path, file: &Path, reason: impl Into<String>, fix: String) -> Fault {
         Fault { report: self.seen(page), file: self.seen(file), reason: reason.into(), fix }
     }
@@ -186,7 +200,7 @@ impl Place<'_> {
             RecordError::Malformed { source, .. } => format!("it is not a report's record: {source}"),
             RecordError::Changed { .. } | RecordError::Unsealed { .. } => error.to_string(),
         };
-        self.fault(&path.with_extension(""), path, reason, without_record("specforge report SPEC"))
+        self.fault(&path.with_extension(""), path, reason, without_record(UNKNOWN))
     }
 }
 
@@ -211,6 +225,6 @@ fn record_of(page: &Path) -> PathBuf {
 /// The fix for a changed record. Its page blocks a new one, so both must be deleted.
 fn without_record(again: &str) -> String {
     format!(
-        "restore the record from version control, or delete it and its page and render both again: `{again}`"
+        "restore the record from version control, or delete it and its page and render both again: {again}"
     )
 }

@@ -9,6 +9,7 @@ use crate::report::claim::disagreements;
 use crate::report::digests::{self, Digests};
 use crate::report::earlier;
 use crate::report::paths::page_folder;
+use crate::report::render_command::{UNKNOWN, render_command};
 use crate::report::sidecar::{RULES, Sidecar};
 use crate::seal::{REMOVED, Seal};
 
@@ -24,11 +25,16 @@ impl Place<'_> {
     ) {
         let page = path.with_extension("");
         let name = stem(path);
-        let own = |reason: String| self.fault(&page, path, reason, without_record("specforge report SPEC"));
+        let again = match seal {
+            Seal::Broken | Seal::Absent => None,
+            Seal::Whole | Seal::Earlier(_) => render_command(&record, self.below),
+        };
+        let again = again.map_or_else(|| UNKNOWN.to_owned(), |command| format!("`{command}`"));
+        let own = |reason: String| self.fault(&page, path, reason, without_record(&again));
         if record.report != name {
             found.faults.push(own(format!("it is the record of another page, `{}`", record.report)));
         }
-        found.faults.extend(self.misplaced(&record, &page, path));
+        found.faults.extend(self.misplaced(&record, seal, &page, path));
         let digests = record.digests_by(seal);
         match seal {
             Seal::Whole => {
@@ -47,13 +53,7 @@ impl Place<'_> {
                 found.unverifiable.push(Unverifiable { report: self.seen(&page), reason });
             }
         }
-        let again = match seal {
-            Seal::Broken | Seal::Absent => "specforge report SPEC".to_owned(),
-            Seal::Whole | Seal::Earlier(_) => {
-                record.command.replacen("specforge run ", "specforge report ", 1)
-            }
-        };
-        let fix = format!("restore it from version control, or render it again: `{again}`");
+        let fix = format!("restore it from version control, or render it again: {again}");
         for difference in digests::differences(self.below, &digests) {
             let file = self.below.join(&difference.file);
             found.faults.push(self.fault(&page, &file, difference.reason, fix.clone()));
@@ -63,6 +63,7 @@ impl Place<'_> {
         listed.extend(figures.filter(|file| !file.is_empty()).map(|file| self.below.join(file)));
         self.notice(&record, &page, &fix, found);
         found.contents.insert(self.seen(&page), content(path, &record));
+        found.commands.insert(self.seen(&page), again);
         found.records.insert(self.seen(&page), record);
     }
 
@@ -79,16 +80,21 @@ impl Place<'_> {
 
     /// A report belongs in the folder that corresponds to its spec below `specs/`, or, with `--reports`,
     /// directly in the folder of reports.
-    fn misplaced(&self, record: &Sidecar, page: &Path, path: &Path) -> Option<Fault> {
+    fn misplaced(&self, record: &Sidecar, seal: &Seal, page: &Path, path: &Path) -> Option<Fault> {
         let home =
             record.specs.first().map(|spec| page_folder(spec)).filter(|home| !home.as_os_str().is_empty())?;
         let here = self.below.strip_prefix(self.folder).unwrap_or(Path::new(""));
         (!here.as_os_str().is_empty() && here != home).then(|| {
+            let command = match seal {
+                Seal::Broken | Seal::Absent => None,
+                Seal::Whole | Seal::Earlier(_) => render_command(record, &self.folder.join(&home)),
+            };
+            let again = command.map_or_else(|| UNKNOWN.to_owned(), |command| format!("`{command}`"));
             let home = home.display();
             let reason = format!("it is the record of a page in `{home}/`, where its spec has it");
             let fix = format!(
-                "restore it from version control, or move page, record and figures to `{home}/`; `specforge report SPEC` \
-                 writes a report where it belongs"
+                "restore it from version control, or move page, record and figures to `{home}/`; {again} writes \
+                 the report where it belongs"
             );
             self.fault(page, path, reason, fix)
         })
@@ -101,7 +107,7 @@ impl Place<'_> {
         match (record.is_by_earlier_rules(), text.lines().any(|line| line == earlier::NOTICE)) {
             (true, false) => {
                 let reason = "it does not say that it was judged by earlier rules";
-                let fix = "`specforge report --index` writes that sentence below its title".to_owned();
+                let fix = format!("`{}` writes that sentence below its title", self.index_command());
                 found.unwritten.push(self.fault(page, &file, reason, fix));
             }
             (false, true) => {

@@ -8,6 +8,7 @@ use crate::bounded;
 use crate::escape::xml;
 use crate::report::index::FILE;
 use crate::report::paths::page_folder;
+use crate::report::render_command::UNKNOWN;
 use crate::report::{earlier, listing};
 
 /// A sentence at the end of pages by the shipped templates.
@@ -35,7 +36,7 @@ impl Place<'_> {
             let is_ours = [RENDERED, STAGES, earlier::NOTICE].iter().any(|mark| text.contains(mark));
             if is_ours || self.figures_of(&page).next().is_some() {
                 let reason = "it is the page of a report, and its record is missing";
-                found.faults.push(self.fault(&page, &path, reason, without_record("specforge report SPEC")));
+                found.faults.push(self.fault(&page, &path, reason, without_record(UNKNOWN)));
             }
         }
     }
@@ -47,8 +48,9 @@ impl Place<'_> {
         }
         for file in self.figures_of(self.below) {
             let reason = "it is the figure of a report, and page and record are missing";
-            let fix = "restore them from version control, render them again with `specforge report SPEC`, or delete it";
-            found.faults.push(self.fault(self.below, &file, reason, fix.to_owned()));
+            let fix =
+                format!("restore them from version control, render them again ({UNKNOWN}), or delete it");
+            found.faults.push(self.fault(self.below, &file, reason, fix));
         }
     }
 
@@ -73,18 +75,19 @@ impl Place<'_> {
         let known: BTreeSet<&str> = found.faults.iter().map(|fault| fault.file.as_str()).collect();
         let mut strays = Vec::new();
         for file in PICTURES.into_iter().flat_map(|ending| listing::files(self.below, ending)) {
-            let says_so = || bounded::text(&file, bounded::RECORD).is_ok_and(|text| text.contains(FIGURE));
             if listed.contains(&file)
                 || known.contains(self.seen(&file).as_str())
-                || !(is_of_reports || says_so())
+                || !(is_of_reports || is_figure(&file))
             {
                 continue;
             }
             let reason = "it is not a figure of any report here: no record lists it";
-            let fix = "delete it, or restore the record that lists it from version control; `specforge report SPEC` \
-                       renders the figures of a report"
-                .to_owned();
             let page = if self.has_report() { self.below.to_owned() } else { file.with_extension("") };
+            let again = found.commands.get(&self.seen(&page)).map_or(UNKNOWN, String::as_str);
+            let fix = format!(
+                "delete it, or restore the record that lists it from version control; {again} renders the \
+                 figures of the report"
+            );
             strays.push(self.fault(&page, &file, reason, fix));
         }
         found.faults.extend(strays);
@@ -98,6 +101,11 @@ impl Place<'_> {
             move |path: &PathBuf| bounded::text(path, bounded::RECORD).is_ok_and(|text| text.contains(&mark));
         listing::files(page, "svg").into_iter().filter(is_own)
     }
+}
+
+/// Whether a file is a figure of some report, by its metadata.
+pub fn is_figure(path: &Path) -> bool {
+    bounded::text(path, bounded::RECORD).is_ok_and(|text| text.contains(FIGURE))
 }
 
 /// Finds duplicate reports. The one in the folder of its spec is the original.
@@ -121,9 +129,11 @@ pub(super) fn copies(found: &mut Found) {
                 report: (*name).to_owned(),
                 file: format!("{name}.json"),
                 reason: format!("it is the same record as that of `{other}`: one of the reports is a copy"),
-                fix: "delete page, record and figures of the copy, or restore both from version control; \
-                      `specforge report SPEC` writes a report where it belongs"
-                    .to_owned(),
+                fix: format!(
+                    "delete page, record and figures of the copy, or restore both from version control; {} \
+                     writes the report where it belongs",
+                    found.commands.get(other).map_or(UNKNOWN, String::as_str)
+                ),
             });
         }
     }
