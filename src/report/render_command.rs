@@ -16,7 +16,8 @@ pub fn render_command(record: &Sidecar, below: &Path) -> Option<String> {
         [program, verb, _, ..] if program == "specforge" && verb == "run" => *verb = "report".to_owned(),
         _ => return None,
     }
-    let place = record.specs.first().map_or("", String::as_str);
+    // Records of earlier versions have the spec's place only in the command.
+    let place = record.specs.first().unwrap_or(&words[2]);
     if real(below) != real(&Path::new("reports").join(page_folder(place))) {
         words.extend(["--reports".to_owned(), below.display().to_string()]);
     }
@@ -42,6 +43,7 @@ mod tests {
         let own = record(run, &["specs/a/b.toml"]);
         let report = "specforge report specs/a/b.toml --profile desk --set 'x.y=\"5 %\"'";
         assert_eq!(render_command(&own, Path::new("reports/a")).as_deref(), Some(report));
+        assert_eq!(render_command(&record(run, &[]), Path::new("reports/a")).as_deref(), Some(report));
         let elsewhere = format!("{report} --reports 'my pages'");
         assert_eq!(render_command(&own, Path::new("my pages")), Some(elsewhere));
         for other in ["", "specforge run", "specforge check a.toml", "rm -rf x; specforge run a", "a 'b"] {

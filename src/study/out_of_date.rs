@@ -140,6 +140,9 @@ fn stages(report: &Sidecar, study: &Study) -> Option<String> {
         Standing::Earlier { lacking: 0, gone, .. } => {
             Some(format!("{gone} of its stages are no longer made"))
         }
+        Standing::Earlier { lacking, stages, .. } if lacking == stages => {
+            Some("all its stages differ: values that they read, or the program, changed".to_owned())
+        }
         Standing::Earlier { kinds, lacking, stages, .. } => Some(format!(
             "{lacking} of {stages} stages differ ({}): a value that they read, or the program, changed",
             kinds.join(", ")
