@@ -122,7 +122,21 @@ fn a_run_outlives_its_store_for_reports_and_with_its_weights_for_evaluations() {
 
     // With weights it is not.
     let whole = at("whole");
-    succeeds(&specforge(&first, &["cache", "export", "--weights", "--to", whole.to_str().unwrap()], &[]));
+    let export =
+        || specforge(&first, &["cache", "export", "--weights", "--to", whole.to_str().unwrap()], &[]);
+    fs::create_dir(&whole).unwrap();
+    let mine = whole.join("tocabi_walk_torque.tocabi_walk_torque.learner.actor.safetensors");
+    fs::write(&mine, "my own file").unwrap();
+    let output = export();
+    assert_eq!(output.status.code(), Some(4), "{}", text_of(&output));
+    assert!(text_of(&output).contains("exists and is not a record of a run or its weights"), "{output:?}");
+    assert_eq!(fs::read(&mine).unwrap(), b"my own file");
+    assert_eq!(records(&whole), std::slice::from_ref(&mine));
+    fs::remove_file(&mine).unwrap();
+    succeeds(&export());
+    // Its own files are replaced.
+    fs::remove_file(whole.join("tocabi_walk_torque.tocabi_walk_torque.json")).unwrap();
+    succeeds(&export());
     assert_eq!(
         names(&records(&whole)),
         [

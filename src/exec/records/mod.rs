@@ -95,8 +95,8 @@ pub enum RecordError {
         /// What the system said.
         source: std::io::Error,
     },
-    /// A file that is not a record has the name of a record to be written.
-    #[error("{} exists and is not a record of a run; nothing is written", path.display())]
+    /// A file that is not a record, or not its weights, has the name of one to be written.
+    #[error("{} exists and is not a record of a run or its weights; nothing is written", path.display())]
     Occupied {
         /// The file.
         path: PathBuf,

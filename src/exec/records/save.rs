@@ -10,6 +10,7 @@ use super::{Curve, FORMAT, RecordError, RunRecord, StageRecord, names};
 use crate::bounded;
 use crate::exec::manifest::{self, Depth, Manifest};
 use crate::exec::store::Store;
+use crate::learn::file as weight_file;
 use crate::plan::graph::ArmRecord;
 use crate::plan::{Cached, Plan, Stage, StageKind};
 use crate::seal::unsealed::Unsealed;
@@ -48,6 +49,13 @@ pub fn save(
     if let Some(path) = stems.iter().map(place).find(|path| is_of_another_kind(path)) {
         return Err(RecordError::Occupied { path });
     }
+    for (arm, stem) in plan.arms.iter().zip(&stems).filter(|_| weights) {
+        let kinds: BTreeSet<StageKind> = recorded(plan, arm).iter().map(|stage| stage.kind).collect();
+        let files = kinds.into_iter().flat_map(|kind| WEIGHTS.map(|file| weights_name(stem, kind, file)));
+        if let Some(path) = files.map(|file| folder.join(file)).find(|path| are_no_weights(path)) {
+            return Err(RecordError::Occupied { path });
+        }
+    }
     for (arm, stem) in plan.arms.iter().zip(stems) {
         let path = place(&stem);
         let stages = recorded(plan, arm);
@@ -85,6 +93,18 @@ fn is_of_another_kind(path: &Path) -> bool {
         found.get("format").is_some_and(Json::is_number) && found.get("stages").is_some_and(Json::is_array)
     };
     is_file && !bounded::text(path, bounded::RECORD).is_ok_and(is_record)
+}
+
+/// Whether a file exists that does not hold the weights of a training, and must not be replaced by some.
+fn are_no_weights(path: &Path) -> bool {
+    let is_file = fs::metadata(path).is_ok_and(|found| found.is_file() && found.len() > 0);
+    let header = || bounded::bytes(path, bounded::ARTEFACT).map(|bytes| weight_file::header(&bytes));
+    is_file && !header().is_ok_and(|header| header.is_ok_and(|texts| !texts.is_empty()))
+}
+
+/// The name of a file of weights beside a record: `NAME.RUN.learner.actor.safetensors`.
+fn weights_name(stem: &str, kind: StageKind, file: &str) -> String {
+    format!("{stem}.{}.{file}", kind.name())
 }
 
 /// The expensive stages of a run; all others are made again in seconds.
@@ -158,7 +178,7 @@ fn stage_record(store: &Store, stage: &Stage, weights: Option<Beside>) -> Result
         } else if let Some(Beside { folder: target, stem }) =
             weights.filter(|_| WEIGHTS.contains(&file.path.as_str()))
         {
-            let name = format!("{stem}.{}.{}", stage.kind.name(), file.path);
+            let name = weights_name(stem, stage.kind, &file.path);
             let bytes =
                 bounded::bytes(&path, bounded::ARTEFACT).map_err(|error| RecordError::at(&path, error))?;
             let place = target.join(&name);
