@@ -223,16 +223,42 @@ fn specs_of_one_name_in_several_folders_have_a_page_each() {
         for _ in 0..2 {
             for arm in &arms[1..] {
                 let said = told(&project.report(std::slice::from_ref(arm)));
-                assert!(
-                    said.contains("is of another spec (a/atlas_run_torque.toml), so this report"),
-                    "{said}"
-                );
+                let reason = match shared_place {
+                    true => "is of a spec in another project, so this report",
+                    false => "is of another spec (a/atlas_run_torque.toml), so this report",
+                };
+                assert!(said.contains(reason), "{said}");
             }
             assert_eq!(told(&project.report(&arms[..1])), "");
             assert_eq!(project.pages().len(), 3, "{:?}", project.pages());
             assert_eq!(project.page("atlas_run_torque.md"), first);
         }
     }
+}
+
+#[test]
+fn specs_of_two_projects_do_not_share_a_page_in_a_folder_outside_of_both() {
+    let outer = Project::new();
+    let reports = outer.path("reports");
+    let render = |folder: &str, value: f64| {
+        let project = Project(tempfile::tempdir_in(outer.path("")).expect("a folder"));
+        fs::create_dir(project.path("robots")).expect("a folder");
+        // As a spec that is named by its absolute path: the record only has its place in the project.
+        let mut arm = asked("atlas_run_torque.toml", None, &[]);
+        arms::set(&mut arm, "reward.contact_force.weight", arms::quantity(value, &value.to_string()), folder);
+        let report = || {
+            project.work(std::slice::from_ref(&arm), "plan.json");
+            told(&project.command(&["report", "plan.json", "--reports", reports.to_str().expect("a path")]))
+        };
+        [report(), report()]
+    };
+    assert_eq!(render("a", 0.3), ["", ""]);
+    let first = outer.page("atlas_run_torque.md");
+    for said in render("b", 0.4) {
+        assert!(said.contains("is of a spec in another project, so this report is"), "{said}");
+    }
+    assert_eq!(outer.page("atlas_run_torque.md"), first);
+    assert_eq!(outer.pages().len(), 2, "{:?}", outer.pages());
 }
 
 #[test]

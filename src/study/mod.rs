@@ -5,6 +5,7 @@
 pub mod compared;
 pub mod files;
 pub mod findings;
+pub mod origins;
 pub mod out_of_date;
 pub mod page;
 pub mod page_name;

@@ -7,7 +7,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use super::{Study, standing};
+use super::{Study, origins, standing};
 use crate::plan::{Plan, PlanError, Request};
 use crate::report::claim;
 use crate::report::gather::named;
@@ -109,6 +109,9 @@ fn taken(study: &Study, folder: &Path, name: &str) -> Option<Taken> {
     }
     let page = folder.join(format!("{name}.md"));
     match Sidecar::read(&Sidecar::path(folder, name)) {
+        Ok(_) if origins::is_of_another(folder, name, &study.project) => {
+            Some(Taken::Spec("is of a spec in another project".to_owned()))
+        }
         Ok(record) => difference(&record, study),
         Err(error) if error.is_absence() && page.symlink_metadata().is_err() => None,
         Err(error) if error.is_absence() => other("has no record that says what it is of"),

@@ -6,8 +6,8 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use super::Study;
 use super::page_name::{self, Destination};
+use super::{Study, origins};
 use crate::exec::lease::Lease;
 use crate::exec::lock::Wait;
 use crate::exec::{self, StoreError, Workshop};
@@ -22,6 +22,10 @@ pub struct Ready<'a> {
     pub name: String,
     /// Its artefact in the store.
     pub artefact: PathBuf,
+    /// The folder of reports.
+    folder: &'a Path,
+    /// The folder of the project.
+    project: PathBuf,
     /// Protects an artefact that was rendered here from garbage collection.
     _lease: Option<Lease>,
 }
@@ -30,6 +34,8 @@ impl Ready<'_> {
     /// Publishes the report and returns the path of its page. `tell` receives a warning for each file of the
     /// earlier report that was edited by hand and is kept as a copy.
     pub fn publish(&self, tell: &dyn Fn(&str)) -> Result<PathBuf, StoreError> {
+        origins::note(self.folder, &self.name, &self.project)
+            .map_err(|error| StoreError::publishing(self.folder, error))?;
         let publication = self.publisher.publish(&self.artefact, &self.name)?;
         publication.warnings().for_each(|warning| tell(&warning));
         Ok(publication.page)
@@ -66,10 +72,11 @@ pub fn ready<'a>(
     let waits = |who: &str| tell(&format!("{who} is writing a report into {shown}; waiting for it"));
     let wait = Wait { interrupt: Some(workshop.interrupt), tell: Some(&waits) };
     let publisher = Publisher::lock(destination.folder, &wait)?;
+    let (folder, project) = (destination.folder, study.project.clone());
     let choice = page_name::choice(study, destination);
     if choice.name == study.name {
         let (name, artefact) = (choice.name, artefact.to_owned());
-        return Ok(Ready { publisher, name, artefact, _lease: None });
+        return Ok(Ready { publisher, name, artefact, folder, project, _lease: None });
     }
     tell(&choice.note.unwrap_or_default());
     let plan = study.plan.clone().reported_as(&choice.name)?;
@@ -79,7 +86,10 @@ pub fn ready<'a>(
         exec::Options { jobs: 1, keep_going: true, selected, reasons: Default::default(), single: None };
     let outcome = exec::run(&Workshop { plan: &plan, ..*workshop }, &settings)?;
     match outcome.report {
-        Some(artefact) => Ok(Ready { publisher, name: choice.name, artefact, _lease: outcome.lease }),
+        Some(artefact) => {
+            let name = choice.name;
+            Ok(Ready { publisher, name, artefact, folder, project, _lease: outcome.lease })
+        }
         None if outcome.interrupted => Err(Unready::Interrupted),
         None => Err(Unready::Failed),
     }
