@@ -64,6 +64,29 @@ fn parents_and_schema_are_found_around_the_new_file() {
         assert!(text.contains(&format!("extends = [{}]", parents.join(", "))), "{text}");
         assert_eq!(code(&specforge(project.path(), &["check", file])), 0);
     }
+    // From a folder of the project, from one below it, and from outside.
+    let outside = project.path().parent().expect("a parent").to_owned();
+    let name = project.path().file_name().and_then(|name| name.to_str()).expect("a name");
+    let from_outside = format!("{name}/specs/mine/d.toml");
+    let around = format!("{name}/specs/mine/../../specs/e.toml");
+    for (here, file, base) in [
+        (specs.clone(), "f.toml", "base"),
+        (specs.join("mine"), "g.toml", "../base"),
+        (specs.join("mine"), "../h.toml", "base"),
+        (specs.join("mine"), "../../i.toml", "specs/base"),
+        (specs.join("base"), "../mine/j.toml", "../base"),
+        (specs.clone(), "./mine/../k.toml", "base"),
+        (outside.clone(), from_outside.as_str(), "../base"),
+        (outside, around.as_str(), "base"),
+    ] {
+        let output = specforge(&here, &["new", file, "--task", "walk"]);
+        assert_eq!(code(&output), 0, "{file}: {}", stderr(&output));
+        let text = fs::read_to_string(here.join(file)).expect("it was written");
+        assert!(text.contains(&format!("extends = [\"{base}/walk.toml\"")), "{file}: {text}");
+        let schema = format!("#:schema {}schema/", base.strip_suffix("base").unwrap_or_default());
+        assert!(text.starts_with(&schema), "{file}: {text}");
+        assert_eq!(code(&specforge(&here, &["check", file])), 0, "{file}");
+    }
     let output = specforge(project.path(), &["new", "specs/alone.toml", "--standalone"]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     assert!(!fs::read_to_string(specs.join("alone.toml")).expect("it was written").contains("extends"));
@@ -114,15 +137,58 @@ fn a_robot_that_is_not_whole_gets_no_spec() {
     assert!(!folder.path().join("squat.toml").exists());
 }
 
-/// The knees of the one bend too little for the squat, and for nothing else that is wrong with its file.
+/// G1 under the name `mine`, whose joints with these words in their names have these limits.
+fn mine(joints: &str, [lower, upper]: [&str; 2]) -> String {
+    let robot =
+        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/g1.toml")).expect("a robot");
+    let robot = robot.replace("name = \"g1\"", "name = \"mine\"");
+    let limited = |block: &str| {
+        let lines = block.lines().map(|line| match line.split(' ').next() {
+            Some("lower") => format!("lower = \"{lower}\""),
+            Some("upper") => format!("upper = \"{upper}\""),
+            _ => line.to_owned(),
+        });
+        lines.collect::<Vec<_>>().join("\n")
+    };
+    let blocks = robot.split("[[links]]").map(|block| match block.contains(joints) {
+        true => limited(block),
+        false => block.to_owned(),
+    });
+    blocks.collect::<Vec<_>>().join("[[links]]")
+}
+
+#[test]
+fn a_robot_that_cannot_make_the_usual_motion_gets_a_smaller_one_that_it_can_make() {
+    for (task, joints, limits) in [
+        ("squat", "_knee_joint\"", ["0 rad", "0.62 rad"]),
+        ("walk", "_knee_joint\"", ["0.2 rad", "0.62 rad"]),
+        ("walk", "_hip_roll_joint\"", ["-0.05 rad", "0.05 rad"]),
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::create_dir(folder.path().join("robots")).expect("made");
+        fs::write(folder.path().join("robots/mine.toml"), mine(joints, limits)).expect("written");
+        let words = ["new", "specs/a.toml", "--robot", "mine", "--task", task];
+        fs::create_dir(folder.path().join("specs")).expect("made");
+        let output = specforge(folder.path(), &words);
+        assert_eq!(code(&output), 0, "{task} {joints}: {}", stderr(&output));
+        let told = stderr(&output);
+        assert!(told.contains("a motion in reach of its legs"), "{task} {joints}: {told}");
+        let motion = folder.path().join(format!("specs/motions/mine_{task}.toml"));
+        assert!(motion.exists(), "{told}");
+        let spec = fs::read_to_string(folder.path().join("specs/a.toml")).expect("written");
+        assert!(spec.contains(&format!("\"mine_{task}\"")), "{spec}");
+        let check = specforge(folder.path(), &["check", "specs"]);
+        assert_eq!(code(&check), 0, "{told}{}", stderr(&check));
+        assert_eq!(code(&specforge(folder.path(), &["fmt", "--check", "specs"])), 0);
+    }
+}
+
+/// The knees of the one bend too little for any squat, and for nothing else that is wrong with its file.
 #[test]
 fn a_new_spec_that_does_not_pass_check_is_told_with_its_error_and_not_as_a_success() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::create_dir(folder.path().join("robots")).expect("made");
-    let robot =
-        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/g1.toml")).expect("a robot");
-    let stiff = robot.replace("name = \"g1\"", "name = \"mine\"").replace("\"2.8798 rad\"", "\"0.5 rad\"");
-    assert!(stiff.contains("\"0.5 rad\"") && stiff.contains("\"mine\""));
+    let stiff = mine("_knee_joint\"", ["0.29 rad", "0.31 rad"]);
     fs::write(folder.path().join("robots/mine.toml"), stiff).expect("written");
     let new = |file: &str, more: &[&str]| {
         let words = [&["new", file, "--robot", "mine", "--task", "squat"], more].concat();
@@ -144,7 +210,7 @@ fn a_new_spec_that_does_not_pass_check_is_told_with_its_error_and_not_as_a_succe
     assert_eq!(code(&output), 3, "{}", stderr(&output));
     assert!(stderr(&output).contains("error[E0509]"), "{}", stderr(&output));
     // What the same robot can do is written as ever.
-    let words = ["new", "run.toml", "--robot", "mine", "--task", "run"];
+    let words = ["new", "stand.toml", "--robot", "mine", "--task", "stand"];
     assert_eq!(code(&specforge(folder.path(), &words)), 0);
 }
 
@@ -238,4 +304,27 @@ fn a_suite_is_written_over_a_spec_that_can_be_varied_and_over_nothing_else() {
     let output = run(&["new", "other.toml", "--suite", "broken.toml", "--format", "json"]);
     let answer: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one document");
     assert!(answer["errors"].as_u64() > Some(0), "{answer}");
+}
+
+#[test]
+fn a_copy_of_a_shipped_robot_under_another_name_is_judged_like_the_original() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::create_dir(folder.path().join("robots")).expect("made");
+    for robot in robots() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("robots/{robot}.toml"));
+        let text = fs::read_to_string(file).expect("a robot");
+        let copy = text.replace(&format!("name = \"{robot}\""), &format!("name = \"my_{robot}\""));
+        let copy = format!("# My own.\n{}", copy.replace("licence = ", "licence   = "));
+        fs::write(folder.path().join(format!("robots/my_{robot}.toml")), copy).expect("written");
+        for task in tasks() {
+            let file = format!("{robot}_{task}.toml");
+            assert_eq!(code(&specforge(folder.path(), &["new", &file, "--robot", robot, "--task", task])), 0);
+            let spec = fs::read_to_string(folder.path().join(&file)).expect("written");
+            let own = spec.replace(&format!("model = \"{robot}\""), &format!("model = \"my_{robot}\""));
+            assert_ne!(own, spec);
+            fs::write(folder.path().join(format!("my_{file}")), own).expect("written");
+        }
+    }
+    let output = specforge(folder.path(), &["check", ".", "--deny", "warnings"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
 }

@@ -199,6 +199,7 @@ fn new_specs(robot: &Robot) -> Vec<String> {
         task: task.into(),
         action: action.into(),
         build: Some(Proportions::of(robot)),
+        motion: None,
     };
     ["walk", "squat", "run"]
         .iter()

@@ -17,7 +17,7 @@ pub fn own_values_last(experiment: &Experiment, family: &Family, sources: &Sourc
     }
     let tables: Vec<(SourceId, &Map)> =
         parents.iter().filter_map(|parent| Some((parent.source, overlay(parent, profile)?))).collect();
-    let search = Search { experiment, profile, tables, sources };
+    let search = Search { experiment, profile, tables, own: &own.body, sources };
     for (key, entry) in own.body.entries.iter().filter(|(key, _)| *key != "profile") {
         search.look(key, &entry.node, sink);
     }
@@ -33,6 +33,8 @@ struct Search<'a> {
     profile: &'a str,
     /// The tables of the profile, from parents to children.
     tables: Vec<(SourceId, &'a Map)>,
+    /// The spec's own sections.
+    own: &'a Map,
     sources: &'a Sources,
 }
 
@@ -61,11 +63,15 @@ impl Search<'_> {
     fn dropped(&self, path: &str, written: &Node, sink: &mut Sink) {
         let tables = path.match_indices('.').map(|(end, _)| &path[..end]);
         for table in tables {
-            let switched = |(_, map): &(SourceId, &Map)| {
-                let entries = map.at(table)?.table()?;
-                let off = entries.get("enabled").filter(|node| node.toml() == "false");
-                off.map(|node| (node.span, format!("{table}.enabled = false")))
+            let off = |map: &Map| {
+                let off = map.at(table)?.table()?.get("enabled").filter(|node| node.toml() == "false")?;
+                Some((off.span, format!("{table}.enabled = false")))
             };
+            // The spec disables the term itself.
+            if off(self.own).is_some() {
+                return;
+            }
+            let switched = |(_, map): &(SourceId, &Map)| off(map);
             if let Some((place, words)) = self.tables.iter().rev().find_map(switched) {
                 if self.is_off(table) {
                     self.tell((path, written), place, &words, sink);

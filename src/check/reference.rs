@@ -73,12 +73,26 @@ impl<K: Ord> References<K> {
     }
 }
 
-/// Whether the spec's robot and motion are embedded in the program.
+/// Whether the spec's robot and motion are embedded in the program, or copies of those under other names.
 pub fn shipped(experiment: &Experiment, vocabulary: &Vocabulary) -> bool {
     let files = [(&experiment.robot, &vocabulary.robots), (&experiment.motion, &vocabulary.motions)];
     files.into_iter().all(|(file, known)| {
-        file.as_ref()
-            .is_none_or(|file| known.iter().any(|known| known.name == file.name && *known.text == *file.text))
+        file.as_ref().is_none_or(|file| {
+            let same = |text: &str| figures(text).eq(figures(&file.text));
+            known.iter().any(|known| *known.text == *file.text || same(&known.text))
+        })
+    })
+}
+
+/// The lines of a robot or motion file that decide its figures: no comments, names, sources or licences at the
+/// top.
+fn figures(text: &str) -> impl Iterator<Item = &str> {
+    const WORDS: [&str; 4] = ["name", "summary", "source", "licence"];
+    let mut at_top = true;
+    text.lines().map(str::trim).filter(move |line| {
+        at_top &= !line.starts_with('[');
+        let key = line.split('=').next().unwrap_or_default().trim_end();
+        !(line.is_empty() || line.starts_with('#') || at_top && WORDS.contains(&key))
     })
 }
 

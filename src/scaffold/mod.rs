@@ -2,6 +2,7 @@
 //! in them, and suites over a spec. The parents are included in the program.
 
 mod alone;
+pub mod motion;
 mod own;
 mod parents;
 
@@ -23,6 +24,8 @@ pub struct Wish {
     pub action: String,
     /// The proportions of a robot that is not shipped with the program.
     pub build: Option<Proportions>,
+    /// The name of a motion of its own; by default the task's.
+    pub motion: Option<String>,
 }
 
 /// Height at which TOCABI's episodes end, as a share of its pelvis height.
@@ -43,11 +46,17 @@ impl Wish {
         let bound = |build: Proportions| {
             let (sinks, share) = ((1.0 - LOWEST) * build.stands, 100.0 * (1.0 - LOWEST));
             let bound = build.base - sinks;
-            format!(
-                "[terminate.base_height]\nbelow = \"{bound:.2} m\" # standing height {:.2} m, minus {share:.0} % of \
-                 the pelvis height\n\n",
-                build.base
-            )
+            let table = |above: &str| {
+                format!(
+                    "[{above}terminate.base_height]\nbelow = \"{bound:.2} m\" # standing height {:.2} m, minus \
+                     {share:.0} % of the pelvis height\n\n",
+                    build.base
+                )
+            };
+            // A profile of a parent would override the robot's own bound.
+            let profiles = parents::profiles_with(&self.family(), &["terminate", "base_height", "below"]);
+            let own = profiles.iter().map(|profile| table(&format!("profile.{profile}.")));
+            std::iter::once(table("")).chain(own).collect::<String>()
         };
         let shipped = || robot::shipped(&self.robot).map(|robot| Proportions::of(&robot));
         let is_other = |build: &Proportions| {
@@ -57,7 +66,8 @@ impl Wish {
         let bound = small.map(bound).unwrap_or_default();
         let desk =
             format!("{}{}{}{}", self.desk_action(), self.quick_action(), self.labels(), self.last_part());
-        format!("{}{}{bound}{desk}", self.own_action(), self.filter())
+        let motion = self.motion.as_ref().map(|name| format!("[task]\nmotion = \"{name}\"\n\n"));
+        format!("{}{}{}{bound}{desk}", motion.unwrap_or_default(), self.own_action(), self.filter())
     }
 
     /// A one-sentence summary.

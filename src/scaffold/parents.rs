@@ -64,6 +64,22 @@ pub fn parent(name: &str) -> Option<&'static str> {
     known.map(|(_, text)| text)
 }
 
+/// The profiles in which a parent of this family writes the key at a path, sorted.
+pub fn profiles_with(family: &[&str], path: &[&str]) -> Vec<String> {
+    let mut found = Vec::new();
+    for text in family.iter().filter_map(|name| parent(name)) {
+        let document: toml_edit::DocumentMut = text.parse().expect("the shipped parents are TOML");
+        let profiles = document.get("profile").and_then(|profiles| profiles.as_table_like());
+        for (profile, table) in profiles.iter().flat_map(|profiles| profiles.iter()) {
+            let value = path.iter().try_fold(table, |table, key| table.get(key));
+            found.extend(value.map(|_| profile.to_owned()));
+        }
+    }
+    found.sort();
+    found.dedup();
+    found
+}
+
 /// The names of the parents of a spec; later ones win.
 pub fn family<'a>(task: &'a str, action: &'a str, robot: &'a str) -> Vec<&'a str> {
     let own: &[&str] = match (robot, task) {

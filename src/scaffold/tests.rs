@@ -17,7 +17,7 @@ fn wishes() -> Vec<Wish> {
             for action in actions() {
                 let (robot, task, action) = (robot.to_owned(), task.to_owned(), action.to_owned());
                 let name = format!("{robot}_{task}_{action}");
-                wishes.push(Wish { name, robot, task, action, build: None });
+                wishes.push(Wish { name, robot, task, action, build: None, motion: None });
             }
         }
     }
@@ -109,6 +109,7 @@ fn a_spec_that_stands_alone_keeps_the_comments_and_refers_to_no_document() {
         task: "run".into(),
         action: "torque".into(),
         build: None,
+        motion: None,
     };
     let text = alone(&wish);
     assert!(text.contains("# of each joint's effort limit"), "{text}");
@@ -162,7 +163,7 @@ fn a_robot_of_another_height_gets_a_bound_of_its_own() {
         own_damping: 0.0,
         effort: None,
     });
-    let wish = Wish { name, robot, task, action, build };
+    let wish = Wish { name, robot, task, action, build, motion: None };
     for text in [alone(&wish), child(&wish, "base", None)] {
         assert!(text.contains("below = \"0.40 m\""), "{text}");
         assert_eq!(format(&text, Sort::Spec, &Order::of_this_edition()), text);
@@ -175,7 +176,7 @@ fn a_new_suite_over_a_new_spec_is_in_order_and_canonical() {
     let folder = tempfile::tempdir().expect("a folder");
     for task in tasks() {
         let (name, robot, action) = ("mine".into(), "tocabi".into(), "torque".into());
-        let wish = Wish { name, robot, task: task.into(), action, build: None };
+        let wish = Wish { name, robot, task: task.into(), action, build: None, motion: None };
         fs::write(folder.path().join("mine.toml"), alone(&wish)).expect("written");
         let text = suite("weights", "mine.toml", None);
         assert_eq!(format(&text, Sort::Suite, &Order::of_this_edition()), text);

@@ -1,15 +1,18 @@
 //! `specforge new FILE`: writes a spec or a suite to start from.
 
+mod fitting;
+
 use std::path::{Component, Path, PathBuf};
 
 use serde_json::json;
 
+use self::fitting::{Asked, Fitting};
 use super::specs::{self, Findings, Variant};
 use super::{Exit, Format, Global, output};
 use crate::check;
 use crate::diag::{Severity, Sink, Sources};
 use crate::escape::{self, shell};
-use crate::robot::{self, Proportions};
+use crate::robot::{self, Proportions, Robot};
 use crate::safe_fs;
 use crate::scaffold::{Wish, actions, alone, child, robots, suite, tasks};
 use crate::spec::folder;
@@ -128,12 +131,17 @@ fn write(options: &Options, global: &Global) -> Result<String, Refusal> {
     known("robot", &options.robot, robots.iter().map(String::as_str).collect())?;
     known("task", &options.task, tasks())?;
     known("action", &options.action, actions())?;
-    let build = build_of(&options.robot, folder)?;
+    let own = robot_of(&options.robot, folder)?;
+    let build = own.as_ref().map(Proportions::of);
     let Options { robot, task, action, .. } = options;
-    let wish = Wish { name, robot: robot.clone(), task: task.clone(), action: action.clone(), build };
+    let (robot, task, action) = (robot.clone(), task.clone(), action.clone());
+    let wish = Wish { name, robot, task, action, build, motion: None };
     let base = base_of(folder, &wish);
-    let text = match &base {
-        Some(base) if !options.standalone => child(&wish, base, schema_of(folder, base).as_deref()),
+    let written = |wish: &Wish| match &base {
+        Some(base) if !options.standalone => child(wish, base, schema_of(folder, base).as_deref()),
+        _ => alone(wish),
+    };
+    match &base {
         None if options.extends => {
             let missing = format!(
                 "there is no `base/{}.toml` beside `{}` or in `specs/`",
@@ -142,12 +150,30 @@ fn write(options: &Options, global: &Global) -> Result<String, Refusal> {
             );
             return refuse(missing, "leave `--extends` out: the spec then holds everything itself");
         }
-        _ => alone(&wish),
+        _ => {}
+    }
+    let text = written(&wish);
+    let motion = own.filter(|_| is_absent(file)).and_then(|robot| {
+        fitting::motion(&Asked { file, folder, robot: &robot, wish: &wish }, &text, written)
+    });
+    let more = match &motion {
+        Some(motion) => {
+            put_motion(motion)?;
+            put(file, &motion.spec)?;
+            format!(
+                ", and a motion in reach of its legs, at {:.0} % of the usual size: {}",
+                motion.percent,
+                escape::file(&motion.file)
+            )
+        }
+        None => {
+            put(file, &text)?;
+            String::new()
+        }
     };
-    put(file, &text)?;
     Ok(match base.filter(|_| !options.standalone) {
-        Some(base) => format!("with the parents in `{base}/`"),
-        None => "standing alone".to_owned(),
+        Some(base) => format!("with the parents in `{base}/`{more}"),
+        None => format!("standing alone{more}"),
     })
 }
 
@@ -171,7 +197,7 @@ fn over(file: &Path, (name, folder): (&str, &Path), spec: &Path, global: &Global
     let schemas = here.ancestors().flat_map(|folder| ["schema", "specs/schema"].map(|sub| folder.join(sub)));
     let schema = schemas.map(|folder| folder.join("suite-1.json")).find(|schema| schema.is_file());
     let text = suite(name, &place, schema.map(|schema| relative(&here, &schema)).as_deref());
-    if file.symlink_metadata().is_err() {
+    if is_absent(file) {
         sound(file, &text, spec, global)?;
     }
     put(file, &text)?;
@@ -257,10 +283,26 @@ fn robots_of(folder: &Path) -> Vec<String> {
     names
 }
 
-/// How the robot is built; `None` for built-in robots. The spec is adapted to the robot's weight and
-/// strength, so its file must be valid. A file of the project takes precedence over a built-in robot of the
-/// same name.
-fn build_of(name: &str, folder: &Path) -> Result<Option<Proportions>, Refusal> {
+/// Whether there is no file yet, nor a link.
+fn is_absent(file: &Path) -> bool {
+    file.symlink_metadata().is_err()
+}
+
+/// Writes a motion into the project.
+fn put_motion(motion: &Fitting) -> Result<(), Refusal> {
+    let folder = motion.file.parent().unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder).map_err(|error| Refusal {
+        message: format!("`{}` cannot be made: {error}", escape::file(folder)),
+        advice: "choose a folder that you may write to".to_owned(),
+        exit: Exit::StageFailed,
+        is_told: false,
+    })?;
+    put(&motion.file, &motion.text)
+}
+
+/// A user's robot; `None` for built-in robots. The spec is adapted to the robot's weight and strength, so its
+/// file must be valid. A file of the project takes precedence over a built-in robot of the same name.
+fn robot_of(name: &str, folder: &Path) -> Result<Option<Robot>, Refusal> {
     let root = folder::root(&Disk, &folder.join("new.toml")).unwrap_or_else(|| folder.to_owned());
     let path = root.join("robots").join(format!("{name}.toml"));
     let shipped = robots().contains(&name);
@@ -275,7 +317,7 @@ fn build_of(name: &str, folder: &Path) -> Result<Option<Proportions>, Refusal> {
     });
     match robot {
         // The check of the written spec prints the warnings.
-        Some(robot) => Ok((!shipped).then(|| Proportions::of(&robot))),
+        Some(robot) => Ok((!shipped).then_some(robot)),
         None => Err(unsound(&path, &sink)),
     }
 }
@@ -298,7 +340,8 @@ fn unsound(path: &Path, sink: &Sink) -> Refusal {
 
 /// The folder of parents, relative to the new spec's folder: `base` there, or in a `specs` folder above.
 fn base_of(folder: &Path, wish: &Wish) -> Option<String> {
-    let here = std::path::absolute(folder).ok()?;
+    // Resolved, as `..` and links in it would count as folders to go up from.
+    let here = folder.canonicalize().ok()?;
     let complete = |base: &Path| wish.family().iter().all(|name| base.join(format!("{name}.toml")).is_file());
     let candidates = here.ancestors().flat_map(|folder| [folder.join("base"), folder.join("specs/base")]);
     let base = candidates.into_iter().find(|base| complete(base))?;
