@@ -5,6 +5,7 @@
 
 use std::f64::consts::TAU;
 
+use super::scale::figure;
 use super::size::{bodies, reach};
 use super::{Examined, Outlier, worst};
 use crate::robot::checks::Issue;
@@ -172,8 +173,9 @@ fn useless(robot: &Robot, hold: Option<f64>) -> Vec<Issue> {
             WEAKEST * carried,
             &|names, least| {
                 format!(
-                    "the effort limit of {names}, down to {least} N m, is useless: the robot's weight at the \
-                     length of its leg is {carried:.1} N m"
+                    "the effort limit of {names}, down to {} N m, is useless: the robot's weight at the \
+                     length of its leg is {carried:.1} N m",
+                    figure(least)
                 )
             },
             "write the largest torque of the drive in N m: torques are commanded as shares of it",
@@ -183,7 +185,10 @@ fn useless(robot: &Robot, hold: Option<f64>) -> Vec<Issue> {
             &|joint| joint.velocity_limit,
             CREEPING,
             &|names, least| {
-                format!("the velocity limit of {names}, down to {least} rad/s, is below that of a slow walk")
+                format!(
+                    "the velocity limit of {names}, down to {} rad/s, is below that of a slow walk",
+                    figure(least)
+                )
             },
             "write the speed limit of the joint in rad/s, at the output of its gear",
         ),
@@ -226,7 +231,9 @@ fn held(robot: &Robot, left: f64, most: f64) -> Vec<Outlier> {
         path: format!("links.{index}.joint.friction"),
         message: format!(
             "the friction of joint `{}` is {} N m, and its motor has {} N m",
-            joint.name, joint.friction, joint.effort_limit
+            joint.name,
+            figure(joint.friction),
+            figure(joint.effort_limit)
         ),
     })
     .collect()
@@ -242,8 +249,8 @@ fn slow(robot: &Robot) -> Option<Issue> {
         message: format!(
             "the damping of joint `{}`, {} N m s/rad, takes all of its {} N m below {SLOWEST} rad/s",
             joint.name,
-            joint.damping,
-            left(joint)
+            figure(joint.damping),
+            figure(left(joint))
         ),
     });
     let help =
@@ -264,7 +271,7 @@ fn heavy(robot: &Robot) -> Option<Issue> {
             let message = format!(
                 "the motor of joint `{}` accelerates its own rotor ({} kg m^2) by at most {:.1} rad/s^2",
                 joint.name,
-                joint.armature,
+                figure(joint.armature),
                 joint.effort_limit / joint.armature
             );
             return Some(Outlier { excess: joint.armature / least, path, message });
@@ -275,7 +282,8 @@ fn heavy(robot: &Robot) -> Option<Issue> {
             message: format!(
                 "the armature of joint `{}`, {} kg m^2, is more than the whole robot's mass times its size \
                  squared ({whole:.3} kg m^2)",
-                joint.name, joint.armature
+                joint.name,
+                figure(joint.armature)
             ),
         })
     });

@@ -43,8 +43,9 @@ pub struct Examined {
 pub fn all(robot: &Robot) -> Vec<Examined> {
     let mut found = figures(robot);
     if found.iter().flat_map(|check| &check.issues).all(|issue| issue.code != bounds::CODE) {
+        let units = found.iter().flat_map(|check| &check.issues).any(|issue| issue.code == scale::CODE);
         found.push(sides::check(robot));
-        found.push(pairs::check(robot));
+        found.push(pairs::check(robot, !units));
         found.push(soles::check(robot));
         found.extend(pose::checks(robot));
         found.push(hold::check(robot));

@@ -12,6 +12,9 @@ use crate::robot::checks::Issue;
 use crate::robot::model::{Body, Robot};
 use crate::robot::solid::solid;
 
+/// The code of masses and inertias in wrong units.
+pub(super) const CODE: &str = "W0410";
+
 /// Size in m of the smallest and the largest robot: a tenth of a palm-sized biped, twice the tallest walking
 /// machine.
 const SIZES: [f64; 2] = [0.03, 10.0];
@@ -45,6 +48,7 @@ pub fn check(robot: &Robot) -> Examined {
     issues.extend(shapes(robot, reach));
     issues.extend(soles(robot, reach));
     issues.extend(complete.then(|| mass(robot, reach)).flatten());
+    issues.extend(complete.then(|| trunk(robot)).flatten());
     issues.extend(inertias(robot, reach));
     issues.extend(centres(robot, reach));
     Examined {
@@ -123,6 +127,24 @@ fn mass(robot: &Robot, reach: f64) -> Option<Issue> {
     })
 }
 
+/// Smallest share of the robot's mass that the base has: it carries the batteries or at least both hips.
+const TRUNK: f64 = 0.003;
+
+fn trunk(robot: &Robot) -> Option<Issue> {
+    let share = robot.base.mass / robot.total_mass();
+    (share < TRUNK).then(|| Issue {
+        code: CODE,
+        path: "base.mass".to_owned(),
+        message: format!(
+            "the base `{}` weighs {} kg of the robot's {} kg: a frame without a body?",
+            robot.base.name,
+            short(robot.base.mass),
+            short(robot.total_mass())
+        ),
+        help: "write the mass of the trunk in kg, or name the body that carries it as the base".to_owned(),
+    })
+}
+
 fn inertias(robot: &Robot, reach: f64) -> Option<Issue> {
     let odd = |(index, body): (usize, &Body)| {
         let largest = body.inertia.symmetric_eigenvalues().max();
@@ -156,7 +178,7 @@ fn inertias(robot: &Robot, reach: f64) -> Option<Issue> {
     let found = bodies(robot).filter_map(odd).collect();
     let help = "write moments of inertia about the centre of mass in kg m^2: multiply those of a file in kg \
         mm^2 by 1e-6";
-    worst("W0410", found, "bodies", help)
+    worst(CODE, found, "bodies", help)
 }
 
 fn centres(robot: &Robot, reach: f64) -> Option<Issue> {
@@ -179,8 +201,30 @@ fn centres(robot: &Robot, reach: f64) -> Option<Issue> {
     worst("W0413", found, "bodies", "write the centre of mass in m, in the frame of the body")
 }
 
+/// At most five significant digits, without trailing zeros: figures of files may have 17.
+pub(super) fn figure(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let text = format!("{value:.4e}");
+    let rounded: f64 = text.parse().unwrap_or(value);
+    if (1e-4..1e7).contains(&rounded.abs()) { rounded.to_string() } else { format!("{rounded:e}") }
+}
+
 /// Three significant digits.
 pub(super) fn short(value: f64) -> String {
     let digits = 2 - libm::floor(libm::log10(value.abs().max(1e-300))) as i32;
     if digits > 6 { format!("{value:.2e}") } else { format!("{value:.*}", digits.clamp(0, 6) as usize) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::figure;
+
+    #[test]
+    fn figures_have_at_most_five_digits_and_keep_what_their_author_wrote() {
+        let told = [144.5, 0.010_177_520_04, 2.0 / 3.0, 12_345_678.9, 1e-9 / 3.0, 0.0, 289.0].map(figure);
+        assert_eq!(told, ["144.5", "0.010178", "0.66667", "1.2346e7", "3.3333e-10", "0", "289"]);
+        assert_eq!(figure(-0.1 - 0.2), "-0.3");
+    }
 }

@@ -5,6 +5,7 @@
 
 use nalgebra::Isometry3;
 
+use super::scale::figure;
 use super::{Examined, Outlier, worst};
 use crate::robot::checks::Issue;
 use crate::robot::gravity::{GravityCompensation, Weighting};
@@ -22,6 +23,9 @@ const HOLDING: f64 = 0.25;
 /// Position error in rad and velocity in rad/s below which no servo may reach its effort limit: encoders and
 /// their filters are not better. Known servos reach it at 0.04 rad and 4 rad/s.
 const SWITCHING: [f64; 2] = [1e-3, 0.05];
+
+/// Relative error of computed torques: a servo that is exactly at a limit is not reported.
+const ROUNDING: f64 = 1e-6;
 
 /// A joint whose position servo commands too little torque.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,7 +55,7 @@ pub fn weak(robot: &Robot, stiffness: f64) -> Vec<Weak> {
         let needed = (HOLDING * standing).min(joint.effort_limit).max(LEAST * joint.effort_limit);
         let most = most(joint);
         let known = joint.effort_limit > 0.0 && needed.is_finite();
-        (known && most < needed).then_some(Weak { joint: index, most, needed, standing })
+        (known && most < needed * (1.0 - ROUNDING)).then_some(Weak { joint: index, most, needed, standing })
     });
     too_soft.collect()
 }
@@ -66,7 +70,10 @@ impl Weak {
                 "commands at most {most} N m within the joint's range, and standing takes {standing} N m"
             );
         }
-        format!("commands at most {most} N m within the joint's range, and the motor has {limit} N m")
+        format!(
+            "commands at most {most} N m within the joint's range, and the motor has {} N m",
+            figure(limit)
+        )
     }
 }
 
@@ -112,13 +119,14 @@ fn switching(robot: &Robot) -> Option<Issue> {
         ];
         gains.into_iter().filter_map(move |(key, gain, least, of, unit)| {
             let full = joint.effort_limit / gain;
-            (full < least).then(|| Outlier {
+            (full < least * (1.0 - ROUNDING)).then(|| Outlier {
                 excess: least / full,
                 path: format!("links.{index}.joint.{key}"),
                 message: format!(
                     "the position servo of joint `{}` only switches: it reaches its {} N m at {of} of {full:.1e} \
                      {unit}",
-                    joint.name, joint.effort_limit
+                    joint.name,
+                    figure(joint.effort_limit)
                 ),
             })
         })

@@ -1,4 +1,4 @@
-//! W0412 and W0417: soles that are too large for their leg or too far from their ankle, and soles that are not
+//! W0412 and W0417: soles that are too large for their leg, too far from their ankle or above it, and soles that are not
 //! mirror images of each other.
 
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -37,6 +37,9 @@ pub fn check(robot: &Robot) -> Examined {
     let help = "write half of the sole's length, width and thickness, and the centre of its box in the frame of \
         the foot's link, in m";
     let mut issues: Vec<Issue> = worst("W0412", large, "figures", help).into_iter().collect();
+    if issues.is_empty() {
+        issues.extend(worst("W0412", above(robot), "soles", help));
+    }
     if issues.is_empty() {
         issues.extend(unlike(robot));
     }
@@ -85,6 +88,22 @@ fn large(foot: &Foot, side: &str, [leg, link]: [f64; 2]) -> Vec<Outlier> {
             message: format!("{words}, and the leg is {} m long", short(leg)),
         })
         .collect()
+}
+
+/// Soles whose lower face is above the last joint of the leg, in the default pose with the base upright.
+fn above(robot: &Robot) -> Vec<Outlier> {
+    let kinematics = Kinematics::new(robot);
+    let found = robot.feet.iter().zip(["left", "right"]).filter_map(|(foot, side)| {
+        let pose = kinematics.pose(foot.link);
+        let lower = foot.centre - Vector3::z() * foot.half_extents.z;
+        let over = (pose * lower).z - pose.translation.z;
+        (over > 0.0).then(|| Outlier {
+            excess: over,
+            path: format!("feet.{side}.centre"),
+            message: format!("the {side} sole is {:.0} mm above its ankle", 1e3 * over),
+        })
+    });
+    found.collect()
 }
 
 /// Soles of different sizes, or in different places below their ankles.

@@ -355,6 +355,26 @@ fn figures_that_differ_between_left_and_right_are_one_warning_with_both_joints()
         (&|robot: &mut Robot| robot.links[0].joint.upper -= 0.15, "the range is"),
         (&|robot: &mut Robot| robot.links[3].body.mass *= 1.3, "the mass is"),
         (&|robot: &mut Robot| robot.feet[0].half_extents.x *= 1.5, "the left sole has"),
+        (&|robot: &mut Robot| robot.links[9].body.inertia *= 1.5, "the inertia of"),
+        (
+            &|robot: &mut Robot| {
+                let inertia = &mut robot.links[2].body.inertia;
+                (inertia.m11, inertia.m33) = (inertia.m33, inertia.m11);
+            },
+            "the inertia of",
+        ),
+        (&|robot: &mut Robot| robot.links[2].body.com.z += 0.05, "the centre of mass of"),
+        (&|robot: &mut Robot| robot.links[8].body.com.y += 0.06, "the centre of mass of"),
+        (&|robot: &mut Robot| robot.links[3].body.collisions.clear(), "`L_Knee_Link` has 0 collision shapes"),
+        (
+            &|robot: &mut Robot| {
+                let shape = &mut robot.links[9].body.collisions[0].shape;
+                *shape = Shape::Sphere(0.09);
+            },
+            "a collision shape has",
+        ),
+        (&|robot: &mut Robot| robot.feet[1].friction = 0.5, "the friction of the left sole is 1,"),
+        (&|robot: &mut Robot| robot.links[3].joint.damping = 8.0 / 3.0, "`damping` is 2.6667 N m s/rad"),
     ] {
         let message = message(change).expect(expected);
         assert!(message.starts_with(expected), "{message}");
@@ -396,6 +416,68 @@ fn soles_that_are_too_large_or_no_mirror_images_are_told() {
         "{}",
         issue.help
     );
+}
+
+#[test]
+fn a_base_of_a_gram_is_told() {
+    for name in ["atlas", "g1", "tocabi"] {
+        let mut robot = robot(name);
+        let factor = 1e-3 / robot.base.mass;
+        (robot.base.mass, robot.base.inertia) = (1e-3, robot.base.inertia * factor);
+        let told = found_in(&robot);
+        assert!(told.contains(&("W0410", "base.mass".to_owned())), "{name}: {told:?}");
+    }
+}
+
+#[test]
+fn soles_above_their_ankles_are_told() {
+    for name in ["atlas", "g1", "tocabi"] {
+        let raised = |rise: f64| {
+            let mut robot = robot(name);
+            robot.feet.iter_mut().for_each(|foot| foot.centre.z = foot.half_extents.z + rise);
+            found_in(&robot).into_iter().filter(|(code, _)| *code == "W0412").collect::<Vec<_>>()
+        };
+        assert_eq!(raised(0.02), [("W0412", "feet.left.centre".to_owned())], "{name}");
+        assert_eq!(raised(-0.01), [], "{name}");
+    }
+}
+
+#[test]
+fn hip_motors_that_cannot_hold_the_robot_on_one_foot_are_told() {
+    for name in ["atlas", "g1", "tocabi"] {
+        let own = robot(name);
+        let kinematics = crate::robot::Kinematics::new(&own);
+        let rolls: Vec<usize> = (0..own.joints())
+            .filter(|joint| kinematics.axis(*joint).x.abs() > 0.7)
+            .filter(|joint| kinematics.pose(*joint).translation.z > -0.3 * own.standing_height)
+            .collect();
+        assert_eq!(rolls.len(), 2, "{name}");
+        let told = |effort: f64| {
+            let mut robot = own.clone();
+            rolls.iter().for_each(|roll| robot.links[*roll].joint.effort_limit = effort);
+            let issues = issues(all(&robot));
+            issues.into_iter().filter(|issue| issue.code == "W0414").map(|issue| issue.message).collect()
+        };
+        let weak: Vec<String> = told(0.04 * own.total_mass());
+        assert_eq!(weak.len(), 1, "{name}: {weak:?}");
+        assert!(weak[0].contains("standing on one foot takes"), "{weak:?}");
+        assert_eq!(told(2.0 * own.total_mass()), Vec::<String>::new(), "{name}");
+    }
+}
+
+#[test]
+fn a_servo_exactly_at_a_limit_is_no_finding_whatever_the_rounding() {
+    for factor in [1.0, 3.0, 7.0, 0.1, 1.0 / 3.0] {
+        let told = codes(|robot| {
+            for knee in [3, 9] {
+                let joint = &mut robot.links[knee].joint;
+                joint.effort_limit *= factor;
+                joint.damping_gain = joint.effort_limit / 0.05;
+                joint.stiffness_gain = joint.effort_limit / 1e-3;
+            }
+        });
+        assert!(!told.contains(&"W0424"), "{factor}: {told:?}");
+    }
 }
 
 #[test]
