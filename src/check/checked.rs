@@ -7,8 +7,8 @@ use super::baseline::{self, Naming};
 use super::checker::Checker;
 use super::reference::{OnDemand, Reference};
 use super::{
-    Subject, chain, check, corners, exports, height, issue, judging, overridden, parents, profiled,
-    reference, relative, seeds, simulated, symmetry, terms,
+    Subject, chain, check, corners, exports, height, issue, judging, motion_kind, overridden, parents,
+    profiled, reference, relative, seeds, simulated, symmetry, terms,
 };
 use crate::diag::{Diagnostic, Severity, Sink, Sources, Span};
 use crate::kinds::motion;
@@ -166,6 +166,7 @@ pub(super) fn apply_rules(
     let mut reference = OnDemand { shipped: reference::shipped(experiment, vocabulary), make };
     reference::suits(&subject, &mut reference, &mut rules);
     symmetry::motions_are_mirrored(&subject, file, &mut reference, &mut rules);
+    motion_kind::motions_are_of_the_task(&subject, file, &mut rules);
     reference::stays_apart(&subject, &mut reference, &mut rules);
     reference::stays_below_velocity_limits(&subject, &mut reference, &mut rules);
     corners::squats_are_smooth(&subject, &mut reference, &mut rules);
@@ -211,7 +212,17 @@ fn find_compared(experiment: &Experiment, files: &dyn Files, sink: &mut Sink) {
         let error = Diagnostic::error("E0004", format!("file not found: `{}`", crate::escape::file(path)));
         syntax::file::elsewhere(files, path).into_iter().fold(error, Diagnostic::help)
     };
+    let own = files.identity(&experiment.path);
     for (index, path) in experiment.compare.iter().enumerate() {
+        let mark = experiment.marks.nearest(&format!("report.compare.{index}"));
+        // A list that several specs inherit may name each of them.
+        let is_own = mark.is_some_and(|mark| mark.value.source == experiment.source);
+        if let Some(mark) = mark.filter(|_| is_own && files.identity(path) == own) {
+            let message = format!("`{}` compares itself with itself", experiment.name);
+            let error = Diagnostic::error("E0816", message).at(mark.value, "this very file");
+            sink.emit(error.help("name another spec, or remove the entry"));
+            continue;
+        }
         let refusal = experiment.reach.refusal(files, path);
         let Some(diagnostic) = refusal.or_else(|| (!files.is_file(path)).then(|| missing(path))) else {
             continue;

@@ -23,11 +23,13 @@ mod gains;
 mod height;
 mod judging;
 mod limits;
+mod motion_kind;
 mod negligible;
 mod observation;
 mod overridden;
 mod parents;
 mod phase;
+mod plausible;
 mod profiled;
 mod rates;
 mod reference;
@@ -101,4 +103,5 @@ const RULES: &[fn(&Subject, &mut Sink)] = &[
     contact_time::contacts_are_slower_than_steps,
     softness::soft_contacts_are_mujocos,
     negligible::values_have_an_effect,
+    plausible::values_are_plausible,
 ];

@@ -38,11 +38,12 @@ struct Seen {
     unit: &'static str,
 }
 
-const SEEN: [Seen; 4] = [
+const SEEN: [Seen; 5] = [
     Seen { kind: "base_orientation", usual: 0.01, most: PI, unit: "rad" },
     Seen { kind: "joint_position", usual: 0.02, most: PI, unit: "rad" },
     Seen { kind: "joint_velocity", usual: 0.05, most: 40.0, unit: "rad/s" },
     Seen { kind: "command", usual: 0.01, most: 10.0, unit: "m/s" },
+    Seen { kind: "phase", usual: 0.5, most: 1.0, unit: "(sine and cosine)" },
 ];
 
 /// Share of the range of a normalised input below which the policy cannot make anything of it.
@@ -56,22 +57,33 @@ struct Kernel {
     gross: f64,
 }
 
-const KERNELS: [Kernel; 9] = [
-    Kernel { kind: "base_orientation", slight: 1e-3, gross: 1.0 },
-    Kernel { kind: "joint_tracking", slight: 1e-4, gross: 10.0 },
-    Kernel { kind: "velocity_tracking", slight: 1e-6, gross: 1.0 },
-    Kernel { kind: "mean_velocity_tracking", slight: 1e-6, gross: 1.0 },
-    Kernel { kind: "joint_velocity", slight: 1e-3, gross: 100.0 },
-    Kernel { kind: "joint_velocity_change", slight: 1e-6, gross: 10.0 },
-    Kernel { kind: "contact_force", slight: 1.0, gross: 5000.0 },
-    Kernel { kind: "torque", slight: 0.1, gross: 1000.0 },
-    Kernel { kind: "torque_change", slight: 1e-2, gross: 1000.0 },
+const KERNELS: [Kernel; 10] = [
+    Kernel { kind: "base_orientation", slight: 1e-2, gross: 1.0 },
+    Kernel { kind: "joint_tracking", slight: 1e-2, gross: 10.0 },
+    Kernel { kind: "velocity_tracking", slight: 1e-3, gross: 1.0 },
+    Kernel { kind: "mean_velocity_tracking", slight: 1e-3, gross: 1.0 },
+    Kernel { kind: "joint_velocity", slight: 0.1, gross: 100.0 },
+    Kernel { kind: "joint_velocity_change", slight: 1e-3, gross: 10.0 },
+    Kernel { kind: "contact_force", slight: 20.0, gross: 5000.0 },
+    Kernel { kind: "contact_force_change", slight: 20.0, gross: 5000.0 },
+    Kernel { kind: "torque", slight: 1.0, gross: 1000.0 },
+    Kernel { kind: "torque_change", slight: 0.1, gross: 1000.0 },
 ];
 
 /// Cut-off frequency in Hz below which a filter follows no step of a walk.
 const SLOWEST_FILTER: f64 = 0.1;
 /// Friction coefficient on which no robot can walk; wet ice has 0.05.
 const SLIPPERY: f64 = 0.03;
+/// The norm to which gradients are usually clipped.
+const USUAL_NORM: f64 = 0.5;
+/// Product of `k` and the gross error below which a term is paid in full.
+const PAID: f64 = 0.05;
+/// Clip in scales of an observation below which the usual values of a step are cut off.
+const CLIPPED: f64 = 0.3;
+/// Tilt in rad at which a robot lies on the ground.
+const FALLEN: f64 = 1.6;
+/// Joint error in rad that no robot on its feet has.
+const ASTRAY: f64 = 2.5;
 /// Tilt in rad that every standing robot has.
 const SWAY: f64 = 0.01;
 /// Joint error in rad that every moving robot has.
@@ -162,6 +174,12 @@ fn observations(said: &mut Said) {
                 short(seen.most / scale)
             );
             said.warn(&scale_key, message, help);
+        } else if clip < CLIPPED {
+            let message = format!(
+                "`{path}` is cut off: its clip of {} is a fraction of the value that a usual step has, 1 scale",
+                short(clip)
+            );
+            said.warn(&format!("{path}.clip"), message, "write a clip of several scales, such as 8");
         }
         let Some(cutoff) = term.value(JointVelocity::low_pass).filter(|_| term.is::<JointVelocity>()) else {
             continue;
@@ -192,7 +210,7 @@ fn kernels(said: &mut Said) {
         let key = format!("{path}.k");
         let Some(k) = said.subject.number(&key) else { continue };
         let help = "write about one over the error at which the term should have fallen to 37 %";
-        if k * kernel.gross < 1e-2 {
+        if k * kernel.gross < PAID {
             let message =
                 format!("`{path}` is always paid in full: its `k` ({}) is too small", said.written(&key));
             said.warn(&key, message, help);
@@ -207,10 +225,10 @@ fn terminations(said: &mut Said) {
     for (path, term) in said.subject.terms::<Terminations>() {
         if term.is::<BaseTilt>() {
             let key = BaseTilt::above.below(&path);
-            bounded(said, &path, &key, [SWAY, PI], "write an angle such as \"1 rad\"");
+            bounded(said, &path, &key, [SWAY, FALLEN], "write an angle such as \"1 rad\"");
         } else if term.is::<JointError>() {
             let key = JointError::above.below(&path);
-            bounded(said, &path, &key, [LAG, TAU], "write an angle such as \"0.5 rad\"");
+            bounded(said, &path, &key, [LAG, ASTRAY], "write an angle such as \"0.5 rad\"");
         } else if term.is::<ContactSchedule>() {
             let key = ContactSchedule::tolerance.below(&path);
             bounded(said, &path, &key, [1e-3, 1.0], "write a share of the cycle such as \"15 %\"");
@@ -289,7 +307,12 @@ fn learning(said: &mut Said) {
             short(epsilon),
             short(100.0 * norm / (norm + epsilon))
         );
-        said.warn(&Ppo::max_grad_norm.path(), message, "write a `max_grad_norm` such as 0.5");
+        // The advice must not lead to the same warning.
+        let (key, help) = match 10.0 * epsilon > USUAL_NORM {
+            true => (Ppo::adam_epsilon.path(), "write an `adam_epsilon` such as 1e-5"),
+            false => (Ppo::max_grad_norm.path(), "write a `max_grad_norm` such as 0.5"),
+        };
+        said.warn(&key, message, help);
     }
     let (time, step) = (subject.at(Ppo::discount_time), subject.control_step());
     let gamma = match time.zip(step) {
@@ -299,7 +322,12 @@ fn learning(said: &mut Said) {
     if let Some((key, gamma)) = gamma.filter(|(_, gamma)| *gamma < BLIND) {
         let message =
             format!("rewards beyond the next step hardly count: the discount per step is {}", short(gamma));
-        said.warn(&key, message, "write a discount such as 0.99");
+        let help = if key == Ppo::gamma.path() {
+            "write a discount such as 0.99"
+        } else {
+            "write a horizon of many control steps, such as \"1 s\""
+        };
+        said.warn(&key, message, help);
     }
     for key in [crate::kinds::action::Position::std.path(), fine_tune::Ppo::std.path()] {
         if subject.number(&key).is_some_and(|std| std < SILENT) {
@@ -408,17 +436,32 @@ mod tests {
         let text = "[observe.velocity]\nkind = \"joint_velocity\"\nclip = 8.0\nscale = [0.5, 1.0, {}]";
         table(text, &["0.135", "0.01"], &[("1e-9", "is cut off"), ("1e6", "is nearly constant")]);
         let text = "[observe.position]\nkind = \"joint_position\"\nclip = {}\nscale = [0.15, 0.1, 0.2]";
-        table(text, &["8.0", "0.5"], &[("0.001", "is cut off")]);
+        table(text, &["8.0", "0.5"], &[("0.001", "is cut off"), ("0.2", "is cut off")]);
+        let text = "[observe.phase]\nkind = \"phase\"\nclip = {}\nscale = 0.7";
+        table(text, &["8.0", "1.0"], &[("0.1", "is cut off")]);
+        let text = "[observe.command]\nkind = \"command\"\nclip = {}";
+        table(text, &["8.0", "1.0"], &[("0.01", "is cut off"), ("0.2", "is cut off")]);
         let text = "physics = { rate = 500.0 }\n[observe.velocity]\nkind = \"joint_velocity\"\nlow_pass = {}";
         table(text, &["4.0", "100.0"], &[("0.001", "hides the velocities"), ("500.0", "changes nothing")]);
     }
 
     #[test]
     fn reward_terms_that_are_always_or_never_paid_are_told() {
-        for (kind, usual) in [("velocity_tracking", "40.0"), ("torque", "0.01"), ("contact_force", "0.0005")]
-        {
+        for (kind, usual, small, large) in [
+            ("base_orientation", "13.2", "0.01", "1000.0"),
+            ("contact_force", "0.0005", "1e-6", "1.0"),
+            ("contact_force_change", "0.0005", "1e-6", "1.0"),
+            ("joint_tracking", "16.0", "0.001", "1000.0"),
+            ("joint_velocity", "0.01", "1e-4", "100.0"),
+            ("joint_velocity_change", "20.0", "0.001", "1e4"),
+            ("mean_velocity_tracking", "300.0", "0.01", "1e4"),
+            ("torque", "0.01", "1e-5", "10.0"),
+            ("torque_change", "0.01", "1e-5", "100.0"),
+            ("velocity_tracking", "40.0", "0.01", "1e4"),
+        ] {
             let text = format!("[reward.term]\nkind = \"{kind}\"\nweight = 0.3\nk = {{}}");
-            table(&text, &[usual], &[("1e-9", "always paid in full"), ("1e9", "is never paid")]);
+            let odd = [(small, "always paid in full"), (large, "is never paid"), ("1e-9", "always paid")];
+            table(&text, &[usual], &odd);
         }
     }
 
@@ -427,9 +470,9 @@ mod tests {
         let at_once = "ends every episode at once";
         let never = "never ends an episode";
         let text = "[terminate.base_tilt]\nkind = \"base_tilt\"\nabove = {}";
-        table(text, &["0.1", "1.0"], &[("0.0001", at_once), ("3.15", never)]);
+        table(text, &["0.1", "1.0"], &[("0.0001", at_once), ("3.1", never), ("1.7", never)]);
         let text = "[terminate.joint_error]\nkind = \"joint_error\"\nabove = {}";
-        table(text, &["0.5"], &[("1e-6", at_once), ("9.0", never)]);
+        table(text, &["0.5"], &[("1e-6", at_once), ("3.0", never)]);
         let text = "[terminate.contact_schedule]\nkind = \"contact_schedule\"\ntolerance = {}";
         table(text, &["0.15"], &[("1e-6", at_once), ("1.0", never)]);
         let text = "[terminate.base_height]\nkind = \"base_height\"\nbelow = {}";
@@ -470,6 +513,27 @@ mod tests {
             "learn.samples = 1000000\naction.std = {}",
             &["0.0025", "0.1"],
             &[("1e-6", "does not explore")],
+        );
+    }
+
+    #[test]
+    fn following_the_advice_for_discounts_and_gradients_removes_the_warning() {
+        let tocabi = robot("tocabi");
+        let help = |text: &str| {
+            let found = found(values_have_an_effect, text, Some(&tocabi));
+            found.into_iter().flat_map(|found| found.help).collect::<Vec<_>>()
+        };
+        let rated = |line: &str| format!("[learn]\nsamples = 1000000\n{line}\n[action]\nrate = 125.0");
+        assert_eq!(help(&rated("gamma = 0.1")), ["write a discount such as 0.99"]);
+        let horizon = help(&rated("discount_time = 0.001"));
+        assert!(horizon.len() == 1 && horizon[0].contains("\"1 s\""), "{horizon:?}");
+        assert_eq!(help(&rated("discount_time = 1.0")), [""; 0]);
+        let steps = help(&rated("adam_epsilon = 0.1\nmax_grad_norm = 0.001"));
+        assert_eq!(steps, ["write an `adam_epsilon` such as 1e-5"]);
+        assert_eq!(help(&rated("adam_epsilon = 1e-5\nmax_grad_norm = 0.001")), [""; 0]);
+        assert_eq!(
+            help(&rated("adam_epsilon = 1e-5\nmax_grad_norm = 1e-5")),
+            ["write a `max_grad_norm` such as 0.5"]
         );
     }
 

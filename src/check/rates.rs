@@ -69,18 +69,22 @@ fn cure(subject: &Subject, (path, rate): (&str, f64), (whole_path, physics): (&s
     let multiples: Vec<f64> = (1..count).map(|count| rate * count as f64).collect();
     let of_training = !subject.protocols().iter().any(|(other, _)| whole_path == Setting::rate.below(other));
     let both = [(path, rate, fractions, of_training), (whole_path, physics, multiples, true)];
-    let offers = both.into_iter().filter(|(.., offered)| *offered);
-    let offers: Vec<String> =
-        offers.filter_map(|(key, rate, rates, _)| neighbours(subject, (key, rate), &rates)).collect();
+    // Rates that settle all conflicts; only where there are none, those that settle this one.
+    let of = |all: bool| -> Vec<String> {
+        let offers = both.iter().filter(|(.., offered)| *offered);
+        offers.filter_map(|(key, rate, rates, _)| neighbours(subject, (key, *rate), rates, all)).collect()
+    };
+    let offers = Some(of(true)).filter(|offers| !offers.is_empty()).unwrap_or_else(|| of(false));
     if offers.is_empty() { "choose a whole fraction of it".to_owned() } else { offers.join(", or ") }
 }
 
-/// The next lower and higher rate that fit all others and have at most three decimals.
-fn neighbours(subject: &Subject, (key, present): (&str, f64), rates: &[f64]) -> Option<String> {
+/// The next lower and higher rate that have at most three decimals and fit all others, and with `all` leave no
+/// conflict between those either.
+fn neighbours(subject: &Subject, (key, present): (&str, f64), rates: &[f64], all: bool) -> Option<String> {
     let plain = |rate: f64| (rate * 1e3 - (rate * 1e3).round()).abs() < 1e-6;
     let near = |rate: f64| (present / NEAR..=present * NEAR).contains(&rate);
     let sound =
-        || rates.iter().copied().filter(|rate| near(*rate) && plain(*rate) && fits(subject, key, *rate));
+        || rates.iter().copied().filter(|rate| near(*rate) && plain(*rate) && fits(subject, key, *rate, all));
     let below = sound().filter(|rate| *rate < present).reduce(f64::max);
     let above = sound().filter(|rate| *rate > present).reduce(f64::min);
     match (below, above) {
@@ -95,14 +99,15 @@ pub(super) fn from(subject: &Subject, key: &str, least: f64) -> Option<f64> {
     let acting = acting().into_iter().filter_map(|path| subject.number(&path));
     let acting = acting.filter(|rate| *rate > 0.0).fold(1.0, f64::max);
     let first = libm::ceil(least / acting * (1.0 - 1e-9)) as u64;
-    (first..first + 1000).map(|count| acting * count as f64).find(|rate| fits(subject, key, *rate))
+    (first..first + 1000).map(|count| acting * count as f64).find(|rate| fits(subject, key, *rate, false))
 }
 
-/// Whether a rate in place of the present one satisfies all divisibility rules.
-fn fits(subject: &Subject, key: &str, rate: f64) -> bool {
+/// Whether a rate in place of the present one satisfies all divisibility rules that it is part of, or with
+/// `all` every rule.
+fn fits(subject: &Subject, key: &str, rate: f64, all: bool) -> bool {
     let own = |path: &str| if path == key { Some(rate) } else { subject.number(path) };
     let divides = |path: &str, whole_path: &str| {
-        let concerned = path == key || whole_path == key;
+        let concerned = all || path == key || whole_path == key;
         !concerned || own(path).zip(own(whole_path)).is_none_or(|(rate, physics)| is_fraction(rate, physics))
     };
     let protocols = subject.protocols().into_iter().map(|(path, _)| Setting::rate.below(&path));
@@ -164,6 +169,17 @@ mod tests {
         assert_eq!(messages(text)[0].1, ["`evaluate.nominal.rate` can be 250 Hz or 500 Hz"]);
         let text = "physics = { rate = 499.0 }\naction = { rate = 50.0, servo_rate = 250.0 }";
         assert_eq!(messages(text)[0].1, ["`physics.rate` can be 250 Hz or 500 Hz"]);
+    }
+
+    #[test]
+    fn no_rate_is_suggested_that_leaves_another_conflict() {
+        let text = "physics = { rate = 2000.0 }\naction = { rate = 300.0, servo_rate = 2000.0 }\n\
+                    deploy.mujoco = { rate = 2000.0 }";
+        assert_eq!(messages(text)[0].1, ["`action.rate` can be 250 Hz or 400 Hz"]);
+        // Nothing settles both conflicts at once.
+        let text = "physics = { rate = 500.0 }\naction = { rate = 300.0 }\ndeploy.mujoco = { rate = 700.0 }\n\
+                    evaluate.nominal = { rate = 333.0 }";
+        assert!(messages(text)[0].1[0].contains("can be"), "{:?}", messages(text));
     }
 
     #[test]

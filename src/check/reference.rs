@@ -79,7 +79,7 @@ pub fn shipped(experiment: &Experiment, vocabulary: &Vocabulary) -> bool {
     files.into_iter().all(|(file, known)| {
         file.as_ref().is_none_or(|file| {
             let same = |text: &str| figures(text).eq(figures(&file.text));
-            known.iter().any(|known| *known.text == *file.text || same(&known.text))
+            known.iter().any(|known| *known.text == *file.text || same(known.text))
         })
     })
 }

@@ -21,7 +21,9 @@ use crate::spec::{Mark, Sampler, Section};
 use crate::syntax::Layer;
 
 /// Factor on the commanded distance within which an obstacle counts as reachable: policies overshoot.
-const OVERSHOOT: f64 = 1.5;
+const OVERSHOOT: f64 = 1.15;
+/// Length of a step relative to the height of the hips.
+const STEP: f64 = 0.5;
 /// Relative slack of comparisons of times.
 const SLACK: f64 = 1e-9;
 
@@ -230,18 +232,25 @@ fn ground(subject: &Subject, path: &str, protocol: Option<(&str, Section)>, sink
         Some((path, _)) if !repeats_training(subject, path) => !own_rows(subject, path).is_empty(),
         _ => !rows(subject, Rows::SECTION).is_empty(),
     };
+    let sole = robot.feet.iter().map(|foot| 2.0 * foot.half_extents.x).fold(0.0, f64::max);
     // Without a forward command and without pushes, a robot reaches as far as its soles.
     let around = match speed {
-        Some(speed) if speed <= 0.0 && !is_pushed => {
-            robot.feet.iter().map(|foot| 2.0 * foot.half_extents.x).fold(0.0, f64::max)
-        }
-        _ => 2.0 * hip_height(robot),
+        _ if is_pushed => 2.0 * hip_height(robot),
+        Some(speed) if speed > 0.0 => sole + STEP * hip_height(robot),
+        _ => sole,
     };
     let speed = speed.unwrap_or(0.0);
     let reach = around + OVERSHOOT * speed.max(0.0) * limit.seconds;
-    let Some((key, away, what)) = first_feature(path, ground).filter(|(_, away, _)| *away > reach) else {
+    let Some((key, away, what)) = first_feature(path, ground) else { return };
+    if ground.is::<BoxObstacle>() && away < 0.5 * sole && is_around_the_start(ground) {
+        let message = format!("{what} `{path}` is under the robot at the start");
+        let help = format!("write a distance of at least \"{:.1} m\" to its front", sole.max(0.1));
+        report(subject, [&key, &key], message, &help, sink);
         return;
-    };
+    }
+    if away <= reach {
+        return;
+    }
     let message = format!(
         "{what} `{path}` is never reached: it begins {away:.1} m from the start, and {} at up to {speed} m/s take \
          the robot {:.1} m",
@@ -250,6 +259,17 @@ fn ground(subject: &Subject, path: &str, protocol: Option<(&str, Section)>, sink
     );
     let help = "write a shorter distance, a longer episode or a faster command";
     report(subject, [&key, &limit.key], message, help, sink);
+}
+
+/// Whether a box begins before the start and ends behind it.
+fn is_around_the_start(ground: Section) -> bool {
+    let length = ground.value(BoxObstacle::length).unwrap_or(0.0);
+    let distance = ground.value(BoxObstacle::distance).unwrap_or(0.0);
+    let back = match ground.value(BoxObstacle::reference) {
+        Some(Measured::Front) => distance + length,
+        _ => distance + 0.5 * length,
+    };
+    back > 0.0
 }
 
 /// The fastest command of a protocol in m/s, if it has its own.
@@ -406,7 +426,10 @@ mod tests {
             ))
             .len()
         };
-        assert_eq!(["0.6", "2.0", "20.0", "900.0"].map(obstacle), [0, 0, 1, 1]);
+        let found = ["0.6", "2.0", "3.0", "4.0", "20.0", "900.0"].map(obstacle);
+        assert_eq!(found, [0, 0, 0, 1, 1, 1]);
+        // A box around the start, where the robot would stand in it.
+        assert_eq!(["0.0", "0.1", "0.2"].map(obstacle), [1, 1, 1]);
         let evaluated = |speed: &str| {
             said(&format!(
                 "[evaluate.box]\nkind = \"episodes\"\ncommand = {{ speed = {speed} }}\n[evaluate.box.terrain]\nkind = \
@@ -414,7 +437,7 @@ mod tests {
             ))
             .len()
         };
-        assert_eq!(["0.1", "1.0"].map(evaluated), [1, 0]);
+        assert_eq!(["0.1", "0.3", "0.4", "1.0"].map(evaluated), [1, 1, 1, 0]);
         // A standing robot reaches only as far as its soles, unless it is pushed.
         let standing = |more: &str| {
             said(&format!(

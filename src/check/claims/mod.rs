@@ -17,6 +17,7 @@ mod sample;
 #[cfg(test)]
 mod tests;
 mod training;
+mod trivial;
 mod values;
 
 use std::collections::BTreeMap;
@@ -132,6 +133,7 @@ fn check(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Lone> {
     }
     if let (Some(statistic), Some(metric), false) = (statistic, metric, sink.has_errors()) {
         reach::can_be_decided(claim, metric, statistic, scope, &cases, sink);
+        trivial::something_can_refute_it(claim, metric, scope, &cases, sink);
     }
     lone
 }

@@ -679,3 +679,56 @@ fn the_help_of_w1002_suits_test_and_metric() {
     is(one(&returns, 3), ["W1002", "\"a > b\"", "`expect = \"a > 1.2 * b\"`"]);
     assert!(found(&returns.replace("a > b", "a > 1.2 * b"), 3).is_empty());
 }
+
+#[test]
+fn claims_that_every_robot_fulfils_are_w1001_in_every_unit() {
+    let robot = crate::robot::tests::robot("tocabi");
+    let mut fields = spec();
+    let quantity = |si: f64| Value::Quantity(crate::spec::Quantity { si, text: format!("{si}") });
+    let command = Table::from([("speed".to_owned(), quantity(0.5))]);
+    let task = Table::from([
+        ("kind".to_owned(), Value::Text("walk".to_owned())),
+        ("episode".to_owned(), quantity(16.0)),
+        ("command".to_owned(), Value::Table(command)),
+    ]);
+    fields.insert("task".to_owned(), Value::Table(task));
+    let points = [("control".to_owned(), "torque".to_owned())].to_vec();
+    let arm = || ArmScope { points: &points, fields: &fields, robot: Some(&robot), runs: 5 };
+    let told = |metric: &str, expect: &str| -> Vec<&'static str> {
+        let text = format!(
+            "[[claim]]\nid = \"c\"\ntext = \"It does\"\nmetric = \"evaluate.nominal.{metric}\"\narm = \
+             \"control=torque\"\nexpect = \"{expect}\"\ntest = \"welch\"\n"
+        );
+        let (mut sources, mut sink) = (Sources::default(), Sink::default());
+        let source = sources.add("suite.toml", text.as_str());
+        let document = crate::syntax::parse(&sources, source, &mut sink).expect("TOML");
+        let Some(Item::List(nodes)) =
+            document.table().and_then(|map| map.get("claim")).map(|node| &node.item)
+        else {
+            panic!("claims");
+        };
+        let scope = Scope {
+            axes: vec![("control", vec!["torque"])],
+            arms: vec![arm()],
+            seeds: None,
+            counted: false,
+            shortened: false,
+        };
+        claims(nodes, &scope, &mut sink);
+        sink.diagnostics.iter().map(|found| found.code).collect()
+    };
+    for (metric, sound, sure) in [
+        ("time_to_fall", ["a > 10 s", "a < 15 s"], ["a > 0 s", "a < 100 s"]),
+        ("peak_foot_force", ["a > 1200 N", "a < 1500 N"], ["a > 0 N", "a < 1e6 N"]),
+        ("torque_rms", ["a > 10 N*m", "a < 50 N*m"], ["a > 0 N*m", "a < 1e4 N*m"]),
+        ("peak_ankle_torque", ["a > 30 N*m", "a < 200 N*m"], ["a > 0 N*m", "a < 1e4 N*m"]),
+        ("speed", ["a > 0.1 m/s", "a < 1 m/s"], ["a > 0 m/s", "a < 50 m/s"]),
+        ("steady_speed", ["a > 0.1 m/s", "a < 1 m/s"], ["a > -1 m/s", "a < 50 m/s"]),
+        ("distance", ["a > 1 m", "a < 5 m"], ["a > 0 m", "a < 1 km"]),
+        ("joint_error", ["a > 0.1 rad", "a < 1 rad"], ["a > 0 rad", "a < 7 rad"]),
+        ("speed_error", ["a > 0.1 m/s", "a < 0.1 m/s"], ["a > 0 m/s", "a < 50 m/s"]),
+    ] {
+        sound.iter().for_each(|expect| assert_eq!(told(metric, expect), [""; 0], "{metric} {expect}"));
+        sure.iter().for_each(|expect| assert_eq!(told(metric, expect), ["W1001"], "{metric} {expect}"));
+    }
+}

@@ -85,6 +85,20 @@ pub fn default_value(param: &Param) -> Option<Value> {
     Decoder::new(&mut sink).default(param, text, nowhere, param.name)
 }
 
+/// Whether a key is a list index.
+fn is_index(key: &str) -> bool {
+    !key.is_empty() && key.chars().all(|letter| letter.is_ascii_digit())
+}
+
+/// Whether a value of a type may be a table.
+fn holds_tables(ty: &Ty) -> bool {
+    match ty {
+        Ty::Table(_) | Ty::Named(_) | Ty::Kind(_) | Ty::Terms(_) | Ty::Sampler(_) => true,
+        Ty::OneOf(types) => types.iter().any(holds_tables),
+        _ => false,
+    }
+}
+
 /// The kinds allowed in a place.
 #[derive(Clone, Copy, Debug)]
 pub struct Registry<'a> {
@@ -262,7 +276,15 @@ impl<'a> Decoder<'a> {
         let Item::List(items) = &node.item else {
             let expected = format!("`{}` takes a list, found {}", param.name, node.describe());
             let error = Diagnostic::error("E0103", expected).at(node.span, "not a list");
-            let written = format!("[{}]", node.toml());
+            let written = match (node.table(), item) {
+                // Keys such as `hidden.0` are meant as indices; a list of values holds no table.
+                (Some(map), _) if !map.entries.is_empty() && map.entries.keys().all(|key| is_index(key)) => {
+                    let items: Vec<String> = map.entries.values().map(|entry| entry.node.toml()).collect();
+                    format!("[{}]", items.join(", "))
+                }
+                (Some(_), item) if !holds_tables(item) => format!("[{}]", choice::example(item)),
+                _ => format!("[{}]", node.toml()),
+            };
             let error = if node.table().is_some() { error } else { error.fix(node.span, written.clone()) };
             self.sink.emit(error.help(format!("write `{} = {written}`", param.name)));
             return None;

@@ -79,12 +79,25 @@ fn word(words: &[&'static str], text: &str, node: &Node, param: &Param) -> Resul
     if words.contains(&text) {
         return Ok(Value::Text(text.to_owned()));
     }
-    let message = format!("`{}` takes {}, found `{text}`", param.name, alternatives(words));
+    let others = others(param);
+    let more: String = others.iter().map(|ty| format!(" or {}", describe(ty))).collect();
+    let message = format!("`{}` takes {}{more}, found `{text}`", param.name, alternatives(words));
     let error = Diagnostic::error("E0106", message).at(node.span, "invalid choice");
     Err(match nearest(text, words.iter().copied()) {
         Some(name) => error.help(format!("did you mean `{name}`?")).fix(node.span, format!("\"{name}\"")),
-        None => error.help(format!("the valid words are {}", listed(words.iter().copied()))),
+        None => {
+            let forms: String = others.iter().map(|ty| format!(", or write {}", example(ty))).collect();
+            error.help(format!("the valid words are {}{forms}", listed(words.iter().copied())))
+        }
     })
+}
+
+/// The types that a key takes besides words.
+fn others(param: &Param) -> Vec<&'static Ty> {
+    match param.ty {
+        Ty::OneOf(types) => types.iter().filter(|ty| !matches!(ty, Ty::Choice(_))).collect(),
+        _ => Vec::new(),
+    }
 }
 
 fn alternatives(words: &[&str]) -> String {

@@ -174,6 +174,10 @@ fn wrong_types_get_the_edit_when_it_is_obvious() {
     assert_eq!(fixed("learning_rate.linear = [\"0.3\", 1]"), ("E0103", "0.3".to_owned()));
     assert_eq!(fixed("engine = \"rapeir\""), ("E0106", "\"rapier\"".to_owned()));
     assert_eq!(fixed("policy.hidden = 256"), ("E0103", "[256]".to_owned()));
+    let help = |text: &str| mistake(text).0.help.concat();
+    assert_eq!(help("policy.hidden.0 = 64"), "write `hidden = [64]`");
+    assert_eq!(help("policy.hidden = { 0 = 64, 1 = 32 }"), "write `hidden = [64, 32]`");
+    assert!(!help("policy.hidden = { size = 64 }").contains('{'));
     assert_eq!(mistake("samples = 1.5").0.code, "E0103");
     assert_eq!(mistake("samples = \"3 Q\"").0.code, "E0202");
     assert_eq!(mistake("policy = 3").0.code, "E0103");
