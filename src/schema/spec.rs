@@ -20,7 +20,7 @@ pub fn document() -> Value {
     let sections = sections(&vocabulary, &mut definitions);
     let overlay = definitions.refer(
         "overlay",
-        |_| json!({ "type": "object", "properties": sections, "additionalProperties": false }),
+        |_| json!({ "type": "object", "properties": overlay_keys(sections.clone()), "additionalProperties": false }),
     );
     let mut properties = header(&mut definitions);
     properties.extend(sections.clone());
@@ -47,6 +47,13 @@ pub fn document() -> Value {
 pub fn sections(vocabulary: &Vocabulary, definitions: &mut Definitions) -> Map<String, Value> {
     let shapes = vocabulary.sections.iter();
     shapes.map(|shape| (shape.name.to_owned(), section(shape, vocabulary, definitions))).collect()
+}
+
+/// The keys of a profile: the sections, and the profile that it extends.
+pub fn overlay_keys(mut sections: Map<String, Value>) -> Map<String, Value> {
+    let extends = described(json!({ "type": "string" }), "The profile on top of which this one applies.");
+    sections.insert("extends".to_owned(), extends);
+    sections
 }
 
 /// The keys before the sections.

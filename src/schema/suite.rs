@@ -15,7 +15,7 @@ const OWN: &[Param] = &[
 ];
 
 /// Keys of a spec that suites do not have.
-const FOREIGN: [&str; 2] = ["name", "abstract"];
+const FOREIGN: [&str; 3] = ["name", "abstract", "requires"];
 
 /// The schema.
 pub fn document() -> Value {
@@ -88,7 +88,8 @@ fn profiles(mut sections: Map<String, Value>, claims: &Value) -> Value {
         json!({ "type": "object", "properties": { "seeds": seeds() }, "additionalProperties": false });
     sections.insert("sweep".to_owned(), seeds);
     sections.insert("claims".to_owned(), claims.clone());
-    let overlay = json!({ "type": "object", "properties": sections, "additionalProperties": false });
+    let keys = spec::overlay_keys(sections);
+    let overlay = json!({ "type": "object", "properties": keys, "additionalProperties": false });
     let schema = json!({ "type": "object", "additionalProperties": overlay });
     described(schema, "Overlays, each chosen by `--profile NAME`.")
 }

@@ -9,6 +9,7 @@ use crate::syntax::{Files, Forms, Item, Map, Node, file, files, merge, parse};
 
 use super::Edition;
 use super::reach::{Place, Reach};
+use super::requires::{self, Required};
 use super::suggest::safe_name;
 
 /// Maximum length of a chain of parents.
@@ -45,6 +46,8 @@ pub struct Header {
     pub is_abstract: bool,
     /// Its parents, as written.
     pub extends: Vec<(String, Span)>,
+    /// The keys that it requires of the specs that extend it.
+    pub requires: Vec<Required>,
     /// Whether the name of a parent is invalid.
     pub lost_parent: bool,
 }
@@ -274,8 +277,13 @@ impl Gathering<'_, '_> {
         let is_abstract = suite.is_none() && self.take_flag(body, "abstract");
         let (extends, lost_parent) =
             self.take_extends(body.entries.remove("extends").map(|entry| entry.node));
+        let requires = match suite {
+            None => self.take_requires(body.entries.remove("requires").map(|entry| entry.node)),
+            Some(_) => Vec::new(),
+        };
         let name = name.map(|(name, _)| name);
-        Some(Header { place: Some(edition.key), name, suite, summary, is_abstract, extends, lost_parent })
+        let place = Some(edition.key);
+        Some(Header { place, name, suite, summary, is_abstract, extends, requires, lost_parent })
     }
 
     /// A name becomes a file name.
@@ -334,6 +342,12 @@ impl Gathering<'_, '_> {
         let (parents, wrong) = extends(node);
         wrong.iter().for_each(|item| self.wrong("extends", "a path or a list of paths", item));
         (parents, !wrong.is_empty())
+    }
+
+    fn take_requires(&mut self, node: Option<Node>) -> Vec<Required> {
+        let (required, wrong) = requires::requires(node);
+        wrong.iter().for_each(|item| self.wrong("requires", "a list of keys' paths", item));
+        required
     }
 }
 

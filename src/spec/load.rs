@@ -10,8 +10,10 @@ use super::family::{Desk, Family, Header, LONGEST_NAME, Library, beside};
 use super::folder;
 use super::marks::below;
 use super::mistake::WORDINGS;
+use super::profiles::Profiles;
 use super::project::{Project, Shelf};
 use super::reach::Reach;
+use super::requires;
 use super::section::Report;
 use super::suggest::{listed, nearest};
 use super::{
@@ -19,10 +21,7 @@ use super::{
 };
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::syntax::assign::assignment;
-use crate::syntax::{Disk, Entry, Files, Forms, Item, Layer, Map, Node, merge};
-
-/// Maximum number of profiles of a spec.
-const MOST_PROFILES: usize = 2000;
+use crate::syntax::{Disk, Files, Forms, Layer, Map, Node, merge};
 
 /// Loads a spec from disk. All mistakes that can be found without the robot are in the sink.
 pub fn load(path: &Path, options: &LoadOptions, vocabulary: &Vocabulary) -> Loaded {
@@ -91,7 +90,7 @@ pub(super) struct Merged {
     pub plain: Arc<Map>,
     /// With the profile.
     pub root: Arc<Map>,
-    pub profiles: Arc<BTreeMap<String, Entry>>,
+    pub profiles: Arc<Profiles>,
     /// Their names.
     pub names: Arc<[String]>,
 }
@@ -178,8 +177,8 @@ impl<'a> Loading<'a> {
     /// The merged family without any profile.
     fn merged(&mut self, family: Family) -> Merged {
         let mut plain = family.merged(&self.forms);
-        let profiles = take_profiles(&mut plain, &mut self.sink);
-        let names = profiles.keys().cloned().collect();
+        let profiles = Profiles::take(&mut plain, &mut self.sink);
+        let names = profiles.names().map(str::to_owned).collect();
         let plain = Arc::new(plain);
         Merged {
             header: family.header(),
@@ -208,11 +207,11 @@ impl<'a> Loading<'a> {
         let mut told: BTreeSet<String> = experiment.poisoned.iter().cloned().collect();
         let others = merged
             .profiles
-            .iter()
+            .names()
             .filter(|_| self.options.profile.is_none() && !self.options.without_profiles);
-        for map in others.filter_map(|(_, entry)| entry.node.table()) {
+        for name in others {
             let mut root = Map::clone(&merged.plain);
-            merge(&mut root, map, &self.forms);
+            merged.profiles.chain(name).into_iter().for_each(|map| merge(&mut root, map, &self.forms));
             let mut found = Sink::default();
             let mut decoder = Decoder::new(&mut found);
             decoder.partial = merged.lenient();
@@ -232,17 +231,17 @@ impl<'a> Loading<'a> {
     /// Applies the chosen profile to a spec.
     fn overlay_profile(&mut self, merged: &mut Merged) {
         let Some(name) = &self.options.profile else { return };
-        match merged.profiles.get(name).and_then(|entry| entry.node.table()) {
-            Some(map) => merge(Arc::make_mut(&mut merged.root), map, &self.forms),
-            None => {
-                let names = || merged.names.iter().map(String::as_str);
-                let error = Diagnostic::error("E0706", format!("unknown profile `{name}`"));
-                self.sink.emit(match nearest(name, names()) {
-                    Some(near) => error.help(format!("did you mean `--profile {near}`?")),
-                    None => error.help(format!("the profiles of this spec are {}", listed(names()))),
-                });
-            }
+        let chain = merged.profiles.chain(name);
+        if chain.is_empty() {
+            let names = || merged.names.iter().map(String::as_str);
+            let error = Diagnostic::error("E0706", format!("unknown profile `{name}`"));
+            self.sink.emit(match nearest(name, names()) {
+                Some(near) => error.help(format!("did you mean `--profile {near}`?")),
+                None => error.help(format!("the profiles of this spec are {}", listed(names()))),
+            });
         }
+        let root = Arc::make_mut(&mut merged.root);
+        chain.into_iter().for_each(|map| merge(root, map, &self.forms));
     }
 
     /// The assignments of the command line, as trees.
@@ -265,6 +264,7 @@ impl<'a> Loading<'a> {
         decoder.wordings = WORDINGS;
         let mut table = sections(&root, self.vocabulary, header, &mut decoder);
         let (marks, poisoned) = (decoder.marks, decoder.poisoned);
+        requires::check(merged, &root, self.vocabulary, &mut self.sink);
         let place = header.place.unwrap_or(Span { source: SourceId(0), start: 0, end: 0 });
         table.insert("name".to_owned(), Value::Text(overlay.name.clone()));
         table.insert("summary".to_owned(), Value::Text(header.summary.clone()));
@@ -327,37 +327,6 @@ pub fn robots(vocabulary: &Vocabulary) -> Shelf<'_> {
 /// Where motion files are found.
 pub fn motions(vocabulary: &Vocabulary) -> Shelf<'_> {
     Shelf { noun: "motion", folder: "specs/motions", code: "E0304", embedded: &vocabulary.motions }
-}
-
-/// Removes the profiles from a merged spec and returns them.
-fn take_profiles(root: &mut Map, sink: &mut Sink) -> BTreeMap<String, Entry> {
-    let Some(entry) = root.entries.remove("profile") else { return BTreeMap::new() };
-    let wrong = |node: &Node, what: &str| {
-        Diagnostic::error("E0103", format!("{what} must be a table, found {}", node.describe()))
-            .at(node.span, "not a table")
-    };
-    let Item::Table(map) = entry.node.item else {
-        sink.emit(wrong(&entry.node, "`profile`"));
-        return BTreeMap::new();
-    };
-    let mut profiles = map.entries;
-    let mut places: Vec<(Span, String)> =
-        profiles.iter().map(|(name, entry)| (entry.key, name.clone())).collect();
-    places.sort_by_key(|(place, _)| (place.source, place.start));
-    if let Some((first, _)) = places.get(MOST_PROFILES) {
-        let error = Diagnostic::error("E0009", format!("more than {MOST_PROFILES} profiles"));
-        sink.emit(error.at(*first, "one too many").help("use the sweep of a suite for many variants"));
-        places[MOST_PROFILES..].iter().for_each(|(_, name)| drop(profiles.remove(name)));
-    }
-    profiles.retain(|name, entry| {
-        let sound = entry.node.table().is_some();
-        if !sound {
-            sink.emit(wrong(&entry.node, &format!("`profile.{name}`")));
-        }
-        entry.node.stamp(Layer::Profile);
-        sound
-    });
-    profiles
 }
 
 /// Whether the assignments are allowed: derived values cannot be set.

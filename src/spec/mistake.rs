@@ -6,6 +6,7 @@ pub const DERIVED: &[(&str, &str)] = &[
     ("spec", "the file's own edition"),
     ("extends", "the file's own parents"),
     ("abstract", "the file itself"),
+    ("requires", "the file itself"),
     ("name", "the file itself"),
     ("summary", "the file itself"),
     ("profile", "the files' own profiles; choose one with `--profile`"),

@@ -122,7 +122,7 @@ fn only_seeds(profile: &str, entry: Entry, sink: &mut Sink) -> Option<Node> {
 
 /// Reports keys unknown to suites and specs, and drops them so that arms do not report them again.
 fn unknown_keys(body: &mut Map, vocabulary: &Vocabulary, sink: &mut Sink) {
-    let spec_only = ["name", "abstract"];
+    let spec_only = ["name", "abstract", "requires"];
     let header = HEADER.iter().copied().filter(|key| !spec_only.contains(key));
     let sections = vocabulary.sections.iter().map(|section| section.name);
     let names: Vec<&str> = sections.chain(header).chain(OWN.iter().copied()).chain(["suite"]).collect();
@@ -135,9 +135,8 @@ fn unknown_keys(body: &mut Map, vocabulary: &Vocabulary, sink: &mut Sink) {
         }
         let error = Diagnostic::error("E0102", format!("unknown key `{key}` in a suite")).at(entry.key, "");
         sink.emit(match nearest(key, names.iter().copied()) {
-            _ if spec_only.contains(&key.as_str()) => {
-                error.help("it belongs to a spec; a suite has its name in `suite`")
-            }
+            _ if key == "name" => error.help("it belongs to a spec; a suite has its name in `suite`"),
+            _ if spec_only.contains(&key.as_str()) => error.help("it belongs to a parent of specs"),
             _ if RESERVED.contains(&key.as_str()) => {
                 error.help(format!("write it in `[sweep]`: `sweep.{key}`"))
             }
