@@ -127,7 +127,7 @@ fn saved_plans_of_specs_and_suites_are_read_again() {
     for (spec, more) in [
         ("specs/atlas_run_torque.toml", &["--profile", "quick"][..]),
         ("specs/tocabi_squat_torque.toml", &["--set", "learn.samples=40k"]),
-        ("specs/paper/exp1_gain_and_exploration.toml", &[]),
+        ("specs/paper/paper_exp1.toml", &[]),
         ("specs/studies/payload.toml", &["--profile", "desk"]),
     ] {
         let folder = folder();

@@ -85,7 +85,9 @@ fn a_key_of_a_kind_that_only_a_profile_has_names_the_profile() {
     assert_eq!(code, 3, "{text}");
     assert!(text.contains("E0105") && text.contains("mine.toml: 1 error"), "{text}");
     assert!(
-        text.contains("help: there are no errors with `--profile desk` or `--profile quick`: choose one"),
+        text.contains(
+            "help: there are no errors with `--profile desk` or `--profile quick` or `--profile small`"
+        ),
         "{text}"
     );
     assert_eq!(told("[pretrain]\nstiffness = \"25 %\"\n", &["--profile", "desk"]).0, 0);
@@ -189,8 +191,8 @@ fn origins_name_file_profile_argument_and_default() {
             shown.lines().find(|line| line.starts_with(&format!("{path} = "))).expect("the value is shown");
         line.rsplit_once("  ").expect("an origin stands behind two spaces").1.to_owned()
     };
-    assert!(origin("action.std").starts_with("specs/base/torque.toml:"));
-    assert!(origin("action.delay").starts_with("profile quick, specs/base/biped.toml:"));
+    assert!(origin("action.kind").starts_with("specs/base/action/torque.toml:"));
+    assert!(origin("action.delay").starts_with("profile quick, specs/base/budget/small.toml:"));
     assert_eq!(origin("learn.seed"), "--set learn.seed=3");
     assert_eq!(origin("learn.max_grad_norm"), "default");
 }
@@ -262,7 +264,7 @@ fn origins_follow_the_order_of_a_spec_and_have_file_and_line_for_programs() {
     assert_eq!((&delay["value"], &delay["layer"]), (&"\"0 ms\"".into(), &"profile".into()));
     let (file, line) = (delay["file"].as_str().expect("a file"), delay["line"].as_u64().expect("a line"));
     let text = fs::read_to_string(root().join(file)).expect("the file is there");
-    assert_eq!(text.lines().nth(line as usize - 1), Some("action.delay   = \"0 ms\""));
+    assert_eq!(text.lines().nth(line as usize - 1), Some("action.delay  = \"0 ms\""));
 }
 
 #[test]

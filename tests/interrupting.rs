@@ -49,7 +49,7 @@ fn a_command_that_is_interrupted_before_its_work_says_so_and_has_the_exit_code_o
     let folder = tempfile::tempdir().unwrap();
     let commands: [&[&str]; 4] = [
         &["run", SPEC, "--profile", "quick", "--dry-run"],
-        &["run", "specs/paper/exp2_tasks.toml", "--profile", "quick", "--dry-run"],
+        &["run", "specs/paper/paper_exp2.toml", "--profile", "quick", "--dry-run"],
         &["bench", SPEC, "--profile", "quick"],
         &["evaluate", POLICY, "--episodes", "1"],
     ];

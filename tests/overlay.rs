@@ -41,7 +41,7 @@ fn a_text_that_is_not_saved_is_checked_in_place_of_its_file() {
 
 #[test]
 fn a_parent_that_is_not_saved_counts_for_its_children() {
-    let parent = repository("specs/base/walk.toml");
+    let parent = repository("specs/base/task/walk.toml");
     let text = fs::read_to_string(&parent).expect("the parent is readable");
     let wrong = text.replace("\"walk\"", "\"wakl\"");
     assert_ne!(text, wrong);

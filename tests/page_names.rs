@@ -177,13 +177,13 @@ fn another_budget_of_the_same_command_has_a_page_of_its_own_and_other_edits_do_n
         &mut edited,
         "reward.contact_force.weight",
         arms::quantity(0.3, "0.3"),
-        "specs/base/run.toml:40",
+        "specs/base/task/run.toml:40",
     );
     let before = project.page("atlas_run_torque.md");
     assert_eq!(told(&project.report(&[edited])), "");
     assert_ne!(project.page("atlas_run_torque.md"), before, "an edited spec is the same spec");
     let mut longer = asked(SPEC, None, &[]);
-    arms::set(&mut longer, "learn.samples", Value::Count(2_000_001), "specs/base/run.toml:12");
+    arms::set(&mut longer, "learn.samples", Value::Count(2_000_001), "specs/base/task/run.toml:12");
     let said = told(&project.report(&[longer]));
     assert!(said.contains("is of another budget (2.0 M samples), so this report is"), "{said}");
 }

@@ -227,7 +227,7 @@ fn why_names_the_field_both_values_and_both_origins() {
     };
     assert_eq!(change.field, "reward.contact_force.weight");
     assert_eq!((change.from.as_deref(), change.to.as_deref()), (Some("0.1"), Some("0.2")));
-    assert_eq!(change.from_origin.as_deref(), Some("specs/base/run.toml:40"));
+    assert_eq!(change.from_origin.as_deref(), Some("specs/base/task/run.toml:40"));
     assert_eq!(change.to_origin.as_deref(), Some("--set"));
     assert_eq!(change.through, ["env"]);
     assert_eq!(render::change(change), "reward.contact_force.weight: 0.1 -> 0.2, through env");

@@ -601,7 +601,8 @@ fn the_parents_of_the_experiments_have_the_paper_s_table() {
         ("action_delay", None, [0.5, 1.5]),
     ];
     for (task, control) in [("walk", "torque"), ("squat", "position"), ("run", "torque")] {
-        let blueprint = spec(&format!("extends = [\"base/{task}.toml\", \"base/{control}.toml\"]\n"));
+        let blueprint =
+            spec(&format!("extends = [\"base/task/{task}.toml\", \"base/action/{control}.toml\"]\n"));
         let table = blueprint.section("randomize");
         assert_eq!(table.sections().count(), paper.len(), "{task}");
         for (row, per, range) in paper {

@@ -93,7 +93,9 @@ pub fn fine_tuning_changes_the_world(subject: &Subject, sink: &mut Sink) {
     if canonical_table(first.table()) != canonical_table(&second) {
         return;
     }
-    let is_calm = subject.at(fine_tune::Ppo::std).is_some_and(|own| Some(own) != subject.at(Position::std));
+    // A parent may leave the exploration to its children.
+    let Some(std) = subject.at(Position::std) else { return };
+    let is_calm = subject.at(fine_tune::Ppo::std).is_some_and(|own| own != std);
     let engine = subject.at(fine_tune::Ppo::engine);
     let rewards = subject.spec().within::<Rewards>();
     let weight = |term: &str| rewards?.section(term)?.value(RewardTerm::weight);
@@ -129,6 +131,7 @@ mod tests {
     use super::super::subject::sample::found;
     use super::*;
 
+    const SAME: &str = "action.std = 0.1\nterrain = { kind = \"flat\", friction = 1.0 }\n";
     const FLAT: &str = "terrain = { kind = \"flat\", friction = 1.0 }\n";
     const ROUGH: &str =
         "fine_tune = { kind = \"ppo\", terrain = { kind = \"height_field\", friction = 1.0 } }\n";
@@ -163,7 +166,7 @@ mod tests {
     #[test]
     fn a_fine_tuning_on_the_same_ground_is_refused_however_it_is_written() {
         let tune =
-            |terrain: &str| format!("{FLAT}fine_tune = {{ kind = \"ppo\", terrain = {{ {terrain} }} }}");
+            |terrain: &str| format!("{SAME}fine_tune = {{ kind = \"ppo\", terrain = {{ {terrain} }} }}");
         let same = codes(fine_tuning_changes_the_world, &tune("friction = 1.0, kind = \"flat\""));
         assert_eq!(same.iter().map(|found| found.0).collect::<Vec<_>>(), ["E0809"]);
         assert!(codes(fine_tuning_changes_the_world, &tune("kind = \"flat\", friction = 0.6")).is_empty());
@@ -185,7 +188,7 @@ mod tests {
         let tune = |weight: f64| {
             let terrain = "terrain = { friction = 1.0, kind = \"flat\" }";
             format!(
-                "{FLAT}reward.velocity_tracking.weight = 0.3\nfine_tune = \
+                "{SAME}reward.velocity_tracking.weight = 0.3\nfine_tune = \
                  {{ kind = \"ppo\", {terrain}, weights = {{ velocity_tracking = {weight} }} }}"
             )
         };
@@ -214,7 +217,7 @@ mod tests {
         let tune = |engine: &str| {
             let terrain = "terrain = { friction = 1.0, kind = \"flat\" }";
             format!(
-                "{FLAT}physics.engine = \"mujoco\"\nfine_tune = \
+                "{SAME}physics.engine = \"mujoco\"\nfine_tune = \
                  {{ kind = \"ppo\", {terrain}, engine = \"{engine}\" }}"
             )
         };

@@ -15,8 +15,10 @@ pub fn own_values_last(experiment: &Experiment, family: &Family, sources: &Sourc
     if own.source != experiment.source {
         return;
     }
+    let of_profile =
+        |profile| parents.iter().filter_map(move |parent| Some((parent.source, overlay(parent, profile)?)));
     let tables: Vec<(SourceId, &Map)> =
-        parents.iter().filter_map(|parent| Some((parent.source, overlay(parent, profile)?))).collect();
+        experiment.lineage.iter().map(String::as_str).flat_map(of_profile).collect();
     let search = Search { experiment, profile, tables, own: &own.body, sources };
     for (key, entry) in own.body.entries.iter().filter(|(key, _)| *key != "profile") {
         search.look(key, &entry.node, sink);
@@ -31,7 +33,7 @@ fn overlay<'a>(member: &'a Member, profile: &str) -> Option<&'a Map> {
 struct Search<'a> {
     experiment: &'a Experiment,
     profile: &'a str,
-    /// The tables of the profile, from parents to children.
+    /// The tables of the profile and of those that it extends, lowest priority first.
     tables: Vec<(SourceId, &'a Map)>,
     /// The spec's own sections.
     own: &'a Map,
@@ -73,7 +75,8 @@ impl Search<'_> {
             }
             let switched = |(_, map): &(SourceId, &Map)| off(map);
             if let Some((place, words)) = self.tables.iter().rev().find_map(switched) {
-                if self.is_off(table) {
+                let agrees = words == format!("{path} = {}", written.toml());
+                if self.is_off(table) && !agrees {
                     self.tell((path, written), place, &words, sink);
                 }
                 return;

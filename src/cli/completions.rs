@@ -15,7 +15,7 @@ use crate::kinds::terrain;
 use crate::kinds::vocabulary::vocabulary;
 use crate::quantity::Measure;
 use crate::quantity::unit::UNITS;
-use crate::scaffold::{actions, parent, tasks};
+use crate::scaffold::{actions, parents, tasks};
 use crate::sim::ENGINES;
 use crate::spec::folder;
 use crate::spec::load::robots;
@@ -112,9 +112,13 @@ impl Names {
     }
 }
 
-/// The profiles of the built-in parents.
+/// The profiles of the built-in parents, sorted.
 fn profiles() -> Vec<String> {
-    let biped: toml::Table = toml::from_str(parent("biped").unwrap_or_default()).unwrap_or_default();
-    let profiles = biped.get("profile").and_then(toml::Value::as_table);
-    profiles.into_iter().flat_map(|profiles| profiles.keys().cloned()).collect()
+    let mut names = std::collections::BTreeSet::new();
+    for (_, text) in parents() {
+        let parent: toml::Table = toml::from_str(text).unwrap_or_default();
+        let profiles = parent.get("profile").and_then(toml::Value::as_table);
+        names.extend(profiles.into_iter().flat_map(|profiles| profiles.keys().cloned()));
+    }
+    names.into_iter().collect()
 }

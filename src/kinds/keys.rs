@@ -20,9 +20,10 @@ pub const HEADER: &[Param] = &[
         .doc("Whether it is a parent that cannot be run itself; not inherited."),
     Param::optional("requires", Ty::List(&Ty::Text))
         .doc("Keys that every spec that extends this file must set: `[\"action.std\"]`."),
-    Param::optional("profile", Ty::Named(&Ty::Table(&[])))
-        .doc("Overlays by name, `[profile.NAME]`; each holds sections and is chosen by `--profile NAME`. With \
-              `extends = \"OTHER\"` it applies on top of another profile."),
+    Param::optional("profile", Ty::Named(&Ty::Table(&[]))).doc(
+        "Overlays by name, `[profile.NAME]`; each holds sections and is chosen by `--profile NAME`. With \
+              `extends = \"OTHER\"` it applies on top of another profile.",
+    ),
     Param::optional("allow", Ty::Named(&Ty::Text)).doc("Accepted warnings, each with its reason."),
 ];
 

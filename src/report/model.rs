@@ -70,7 +70,7 @@ pub struct Arm {
     pub law: String,
     /// The decoded spec.
     pub fields: Table,
-    /// The origin of each value, by path (`learn.samples` -> `specs/base/run.toml:12`).
+    /// The origin of each value, by path (`learn.samples` -> `specs/base/task/run.toml:12`).
     #[serde(default)]
     pub origins: BTreeMap<String, String>,
     /// The robot; absent if its stage failed.

@@ -3,10 +3,9 @@
 
 mod alone;
 pub mod motion;
-mod own;
 mod parents;
 
-pub use parents::{actions, parent, tasks};
+pub use parents::{actions, parents, tasks};
 
 use crate::format::{Order, Sort, format};
 use crate::robot::{self, Proportions};
@@ -18,9 +17,9 @@ pub struct Wish {
     pub name: String,
     /// The robot.
     pub robot: String,
-    /// The task: a parent with this name.
+    /// The task: a file of `specs/base/task/`.
     pub task: String,
-    /// The action: a parent with this name.
+    /// The action: a file of `specs/base/action/`.
     pub action: String,
     /// The proportions of a robot that is not shipped with the program.
     pub build: Option<Proportions>,
@@ -37,37 +36,38 @@ const BESIDE: f64 = 0.1;
 /// high or more.
 const SMALL: f64 = 0.85;
 
-/// The comment of a quantity that a user's robot turns into a share.
-const RELATIVE: &str = " # mgh: the robot's weight times the height of its pelvis";
+/// The paper's share of TOCABI's gains, as in `specs/base/action/position.toml`.
+const PAPERS_GAIN: f64 = 0.125;
+/// Stiffness in units of weight and height below which a servo does not hold the robot. With the paper's share
+/// TOCABI has 0.45; Atlas and G1, whose files hold soft gains, have 0.07 and 0.04.
+const SOFT: f64 = 0.15;
 
 impl Wish {
+    /// How the robot is built.
+    fn proportions(&self) -> Option<Proportions> {
+        self.build.or_else(|| Some(Proportions::of(&robot::shipped(&self.robot)?)))
+    }
+
+    /// Whether the paper's share of the robot's own gains does not hold it.
+    fn has_soft_gains(&self) -> bool {
+        let stiffness = self.proportions().and_then(|build| build.stiffness);
+        stiffness.is_some_and(|own| PAPERS_GAIN * own < SOFT)
+    }
+
     /// The lines that depend on the robot.
     fn own(&self) -> String {
-        let bound = |build: Proportions| {
-            let (sinks, share) = ((1.0 - LOWEST) * build.stands, 100.0 * (1.0 - LOWEST));
-            let bound = build.base - sinks;
-            let table = |above: &str| {
-                format!(
-                    "[{above}terminate.base_height]\nbelow = \"{bound:.2} m\" # standing height {:.2} m, minus \
-                     {share:.0} % of the pelvis height\n\n",
-                    build.base
-                )
-            };
-            // A profile of a parent would override the robot's own bound.
-            let profiles = parents::profiles_with(&self.family(), &["terminate", "base_height", "below"]);
-            let own = profiles.iter().map(|profile| table(&format!("profile.{profile}.")));
-            std::iter::once(table("")).chain(own).collect::<String>()
-        };
-        let shipped = || robot::shipped(&self.robot).map(|robot| Proportions::of(&robot));
-        let is_other = |build: &Proportions| {
-            build.stands < SMALL || (build.base - build.stands).abs() > BESIDE * build.stands
-        };
-        let small = self.build.or_else(shipped).filter(is_other);
-        let bound = small.map(bound).unwrap_or_default();
-        let desk =
-            format!("{}{}{}{}", self.desk_action(), self.quick_action(), self.labels(), self.last_part());
-        let motion = self.motion.as_ref().map(|name| format!("[task]\nmotion = \"{name}\"\n\n"));
-        format!("{}{}{}{bound}{desk}", motion.unwrap_or_default(), self.own_action(), self.filter())
+        let Some(build) = self.proportions() else { return String::new() };
+        [self.motion(), lowest(&build)].concat()
+    }
+
+    /// Its own motion, or that of the task that comes with the robot: `walk_g1`.
+    fn motion(&self) -> String {
+        let shipped = format!("{}_{}", self.task, self.robot);
+        let shipped = crate::kinds::motion::names().any(|name| name == shipped).then_some(shipped);
+        match self.motion.clone().or(shipped) {
+            Some(name) => format!("[task]\nmotion = \"{name}\"\n\n"),
+            None => String::new(),
+        }
     }
 
     /// A one-sentence summary.
@@ -79,125 +79,25 @@ impl Wish {
         format!("{} {}s under {action}", self.robot, self.task)
     }
 
-    /// The names of the parents; later ones win.
-    pub fn family(&self) -> Vec<&str> {
-        parents::family(&self.task, &self.action, &self.robot)
-    }
-
-    /// The robot-dependent lines of `[action]`: only TOCABI's file has gains that the paper divides by 8, and
-    /// G1's motors are a third stronger relative to weight and height.
-    fn own_action(&self) -> String {
-        match (self.action.as_str(), self.robot.as_str()) {
-            ("torque", "g1") if self.task != "squat" => {
-                "[action]\nstd = \"5 %\" # of each joint's effort limit\n\n".to_owned()
-            }
-            ("torque", _) => {
-                let own = self.build.and_then(|build| own::exploration(&build, &self.task));
-                own.map(|std| format!("[action]\nstd = \"{std}\"{RELATIVE}\n\n")).unwrap_or_default()
-            }
-            ("position", robot) if robot != "tocabi" && !self.has_a_servo() => {
-                let damping = match robot {
-                    "atlas" | "g1" => {
-                        "damping = \"50 %\" # stable for its light ankles at a delay of 6 ms (W0512)\n"
-                    }
-                    _ => "",
-                };
-                format!("[action]\nstiffness = \"100 %\" # of the gains in the robot's file\n{damping}\n")
-            }
-            _ => String::new(),
-        }
-    }
-
-    /// The velocity filter of a user's robot: the paper's 4 Hz suits a robot with slowly swinging legs.
-    fn filter(&self) -> &'static str {
-        match self.task.as_str() {
-            "walk" | "squat" | "run" if self.build.is_some() => {
-                "[observe.joint_velocity]\nlow_pass = \"20 Hz\" # the paper's 4 Hz is too slow for light \
-                 legs\n\n"
-            }
-            _ => "",
-        }
-    }
-
-    /// The stiffness of the labels: the parents give a share of the gains in the robot's file, and files
-    /// differ.
-    fn labels(&self) -> String {
-        let Some([stiffness, damping]) = self.build.and_then(|build| own::labels(&build, &self.task)) else {
-            return String::new();
-        };
-        let table = |profile: &str| {
-            format!(
-                "[profile.{profile}.pretrain]\nstiffness = \"{stiffness}\"{RELATIVE}\ndamping = \"{damping}\" # \
-                 with the passive damping of the joints\n\n"
-            )
-        };
-        ["desk", "quick"].map(table).concat()
-    }
-
-    /// Whether a parent sets the robot's servo.
-    fn has_a_servo(&self) -> bool {
-        self.family().iter().any(|name| *name == format!("{}_servo", self.robot))
-    }
-
-    /// The lines of `[profile.desk.action]`: the profile trains a run with more exploration than the paper,
-    /// and position control with a soft servo.
-    fn desk_action(&self) -> String {
-        let std = match self.task.as_str() {
-            "run" => {
-                let own = self.build.as_ref().and_then(own::running_exploration);
-                let share = own.unwrap_or(if self.robot == "g1" { "14 %" } else { "20 %" });
-                format!("std = \"{share}\" # less exploration: runs later, less robust to other bodies\n")
-            }
-            _ => self.own_noise(),
-        };
-        table("profile.desk.action", &[self.own_servo(), std])
-    }
-
-    /// The lines of `[profile.quick.action]`.
-    fn quick_action(&self) -> String {
-        table("profile.quick.action", &[self.own_servo(), self.own_noise()])
-    }
-
-    /// The servo with which a user's robot trains.
-    fn own_servo(&self) -> String {
-        let build = self.build.filter(|_| self.moves_with_a_servo());
-        let stiffness = build.as_ref().and_then(own::servo);
-        let line = |stiffness| format!("stiffness = \"{stiffness}\"{RELATIVE}\n");
-        stiffness.map(line).unwrap_or_default()
-    }
-
-    /// The exploration with which a user's robot trains under position control.
-    fn own_noise(&self) -> String {
-        let build = self.build.filter(|_| self.moves_with_a_servo());
-        let std = build.and_then(|build| own::exploration(&build, &self.task));
-        std.map(|std| format!("std = \"{std}\"{RELATIVE}\n")).unwrap_or_default()
-    }
-
-    fn moves_with_a_servo(&self) -> bool {
-        self.action == "position" && self.task != "stand"
-    }
-
-    /// Walks and runs end with reduced exploration.
-    fn last_part(&self) -> String {
-        let (part, shipped) = match (self.task.as_str(), self.robot.as_str()) {
-            ("walk", _) => ("quarter", "2.5 %"),
-            ("run", "g1") => ("fifth", "3.5 %"),
-            ("run", _) => ("fifth", "5 %"),
-            _ => return String::new(),
-        };
-        let own = self.build.and_then(|build| own::last_exploration(&build, &self.task));
-        let share = own.unwrap_or(shipped);
-        format!(
-            "[profile.desk.fine_tune]\nstd = \"{share}\" # little exploration in the last {part} of the \
-             samples\n\n"
-        )
+    /// The parents as paths in `specs/base/` without the ending; later ones win.
+    pub fn family(&self) -> Vec<String> {
+        let own = (self.action == "position" && self.has_soft_gains()).then_some("robot/soft_gains");
+        parents::family(&self.task, &self.action, own)
     }
 }
 
-/// A table with these lines, or nothing without lines.
-fn table(name: &str, lines: &[String]) -> String {
-    let lines = lines.concat();
-    if lines.is_empty() { lines } else { format!("[{name}]\n{lines}\n") }
+/// The height at which episodes end, for a robot that the parents' bounds do not fit.
+fn lowest(build: &Proportions) -> String {
+    if build.stands >= SMALL && (build.base - build.stands).abs() <= BESIDE * build.stands {
+        return String::new();
+    }
+    let (sinks, share) = ((1.0 - LOWEST) * build.stands, 100.0 * (1.0 - LOWEST));
+    let bound = build.base - sinks;
+    format!(
+        "[terminate.base_height]\nbelow = \"{bound:.2} m\" # standing height {:.2} m, minus {share:.0} % of the \
+         pelvis height\n\n",
+        build.base
+    )
 }
 
 /// A spec that extends the parents in the folder `base`, relative to the new file; `schema` is the path of
@@ -205,9 +105,10 @@ fn table(name: &str, lines: &[String]) -> String {
 pub fn child(wish: &Wish, base: &str, schema: Option<&str>) -> String {
     let Wish { name, robot, .. } = wish;
     let schema = schema.map(|place| format!("#:schema {place}\n")).unwrap_or_default();
-    // The first parent, common to all specs, is extended by the task's parent.
-    let parents: Vec<String> =
-        wish.family()[1..].iter().map(|name| format!("\"{base}/{name}.toml\"")).collect();
+    let family = wish.family();
+    // The common parents are extended by the task's.
+    let own = &family[parents::COMMON.len()..];
+    let parents: Vec<String> = own.iter().map(|name| format!("\"{base}/{name}.toml\"")).collect();
     canonical(&format!(
         "{schema}spec = 1\nname = \"{name}\"\nsummary = \"{}\"\nextends = [{}]\n\n\
          [robot]\nmodel = \"{robot}\"\n\n{}\
@@ -226,7 +127,9 @@ pub fn child(wish: &Wish, base: &str, schema: Option<&str>) -> String {
 pub fn alone(wish: &Wish) -> String {
     let Wish { name, robot, .. } = wish;
     let own = format!("[robot]\nmodel = \"{robot}\"\n\n{}", wish.own());
-    let parents: Vec<&str> = wish.family().into_iter().filter_map(parent).collect();
+    let family = wish.family();
+    let texts = parents().filter(|(path, _)| family.iter().any(|name| name == path));
+    let parents: Vec<&str> = texts.map(|(_, text)| text).collect();
     let body = alone::merged(&parents, &own);
     canonical(&format!(
         "# The complete experiment. `specforge explain KEY` and `specforge explain KIND` document its lines,\n\

@@ -47,21 +47,10 @@ fn table(checker: &mut Checker, path: &Path, profile: Option<&str>) -> serde_jso
 fn a_spec_that_stands_alone_is_the_experiment_that_its_parents_describe() {
     let folder = tempfile::tempdir().expect("a folder");
     let base = folder.path().join("base");
-    fs::create_dir(&base).expect("a folder");
-    let squats = ["tocabi", "atlas", "g1"].map(|robot| format!("{robot}_squat"));
-    let lasts = [
-        "legs_apart",
-        "walk_apart",
-        "on_track",
-        "low_exploration",
-        "low_exploration_longer",
-        "run_both_engines",
-    ];
-    let servos = ["servo", "tocabi_servo", "atlas_servo", "g1_servo"];
-    let others = ["biped", "atlas", "balance", "g1", "g1_walk"].into_iter().chain(lasts).chain(servos);
-    let others = others.chain(squats.iter().map(String::as_str));
-    for name in tasks().into_iter().chain(actions()).chain(others) {
-        fs::write(base.join(format!("{name}.toml")), parent(name).expect("a parent")).expect("written");
+    for (path, text) in parents() {
+        let file = base.join(format!("{path}.toml"));
+        fs::create_dir_all(file.parent().expect("a folder")).expect("a folder");
+        fs::write(file, text).expect("written");
     }
     let wishes = wishes();
     assert_eq!(wishes.len(), robots().len() * 8);

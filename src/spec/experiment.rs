@@ -84,6 +84,8 @@ pub struct Experiment {
     pub baselines: Vec<NamedSpec>,
     /// The chosen profile.
     pub profile: Option<String>,
+    /// The chosen profile and those that it extends, lowest priority first.
+    pub lineage: Arc<[String]>,
     /// All profiles that could be chosen, sorted.
     pub profiles: Arc<[String]>,
     /// Allowed warnings by code, with the reason.

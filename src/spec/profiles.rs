@@ -64,10 +64,15 @@ impl Profiles {
 
     /// A profile and those that it extends, lowest priority first; empty if it is unknown.
     pub fn chain(&self, name: &str) -> Vec<&Map> {
+        self.lineage(name).into_iter().filter_map(|name| self.own.get(name)).collect()
+    }
+
+    /// The names of a profile and of those that it extends, lowest priority first.
+    pub fn lineage<'a>(&'a self, name: &'a str) -> Vec<&'a str> {
         let links = std::iter::successors(Some(name), |name| self.extends.get(*name).map(String::as_str));
-        let mut chain: Vec<&Map> = links.filter_map(|name| self.own.get(name)).collect();
-        chain.reverse();
-        chain
+        let mut lineage: Vec<&str> = links.collect();
+        lineage.reverse();
+        lineage
     }
 
     /// Records what a profile extends, unless it does not exist or the chain would be a cycle or too long.

@@ -50,7 +50,8 @@ pub struct Vocabulary {
 }
 
 /// Keys of a spec outside its sections.
-pub const HEADER: &[&str] = &["spec", "name", "summary", "extends", "abstract", "requires", "profile", "allow"];
+pub const HEADER: &[&str] =
+    &["spec", "name", "summary", "extends", "abstract", "requires", "profile", "allow"];
 
 keys! {
     /// `[robot]`

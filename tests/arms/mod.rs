@@ -80,8 +80,10 @@ pub fn arm(name: &str, control: &str) -> Arm {
     .into_iter()
     .map(|(key, value)| (key.to_owned(), value))
     .collect();
-    let origins =
-        BTreeMap::from([("reward.contact_force.weight".to_owned(), "specs/base/run.toml:40".to_owned())]);
+    let origins = BTreeMap::from([(
+        "reward.contact_force.weight".to_owned(),
+        "specs/base/task/run.toml:40".to_owned(),
+    )]);
     let robot =
         serde_json::to_value(robot::shipped("atlas").expect("it is shipped")).expect("a robot is plain data");
     let motion = Some(Table::from([("period".to_owned(), quantity(0.66, "0.66 s"))]));

@@ -16,10 +16,14 @@ pub struct Edit {
 
 const SPEC: &str = "specs/tocabi_walk_torque.toml";
 const CHECK: &str = "check specs/tocabi_walk_torque.toml";
-const GRAVITY: &str = "specs/paper/gravity_pretraining.toml";
-const CHECK_GRAVITY: &str = "check specs/paper/gravity_pretraining.toml";
-const GAINS: &str = "specs/paper/exp1_gain_and_exploration.toml";
-const CHECK_GAINS: &str = "check specs/paper/exp1_gain_and_exploration.toml";
+const GRAVITY: &str = "specs/paper/paper_pretraining.toml";
+const CHECK_GRAVITY: &str = "check specs/paper/paper_pretraining.toml";
+const GAINS: &str = "specs/paper/paper_exp1.toml";
+const CHECK_GAINS: &str = "check specs/paper/paper_exp1.toml";
+const SQUATS: &str = "specs/studies/squatting.toml";
+const CHECK_SQUATS: &str = "check specs/studies/squatting.toml";
+const MOTORS: &str = "specs/studies/motor_speed.toml";
+const CHECK_MOTORS: &str = "check specs/studies/motor_speed.toml";
 
 /// The mistakes.
 pub const EDITS: &[Edit] = &[
@@ -159,7 +163,7 @@ pub const EDITS: &[Edit] = &[
     Edit {
         title: "A missing parent",
         why: "The file was renamed.",
-        changes: &[(SPEC, &[("base/torque.toml", "base/torques.toml")])],
+        changes: &[(SPEC, &[("base/action/torque.toml", "base/torques.toml")])],
         command: CHECK,
         codes: &["E0601"],
     },
@@ -168,7 +172,7 @@ pub const EDITS: &[Edit] = &[
         why: "The common parent was made to extend one of its children.",
         changes: &[(
             "specs/base/biped.toml",
-            &[("abstract = true\n", "abstract = true\nextends  = \"walk.toml\"\n")],
+            &[("\"budget/small.toml\"", "[\"budget/small.toml\", \"task/walk.toml\"]")],
         )],
         command: CHECK,
         codes: &["E0602"],
@@ -198,7 +202,7 @@ pub const EDITS: &[Edit] = &[
         title: "A parent that is run",
         why: "It looks like a spec.",
         changes: &[],
-        command: "run specs/base/walk.toml --dry-run",
+        command: "run specs/base/task/walk.toml --dry-run",
         codes: &["E0606"],
     },
     Edit {
@@ -235,7 +239,10 @@ pub const EDITS: &[Edit] = &[
             GRAVITY,
             &[
                 ("torque_pretrained   = {", "pretrained          = {"),
-                ("a = \"task=squat,control=torque_pretrained\"", "a = \"task=squat,control=pretrained\""),
+                (
+                    "compare   = { a = \"control=torque_pretrained\"",
+                    "compare   = { a = \"control=pretrained\"",
+                ),
             ],
         )],
         command: CHECK_GRAVITY,
@@ -243,19 +250,19 @@ pub const EDITS: &[Edit] = &[
     },
     Edit {
         title: "A claim over a metric that no stage produces",
-        why: "Survival is measured by an evaluation, not by the learning.",
-        changes: &[(GRAVITY, &[("\"learn.final_return\"", "\"learn.survival\"")])],
-        command: CHECK_GRAVITY,
+        why: "The error of the joints is measured by an evaluation, not by the learning.",
+        changes: &[(SQUATS, &[("\"deploy.mujoco.joint_error\"", "\"learn.joint_error\"")])],
+        command: CHECK_SQUATS,
         codes: &["E0804"],
     },
     Edit {
         title: "Too few seeds for the test",
         why: "Three seeds are enough for the test that a claim has by default, not for one by ranks.",
         changes: &[(
-            GRAVITY,
-            &[("expect  = \"a > 1.05 * b\"\n", "expect  = \"a > 1.05 * b\"\ntest    = \"mann_whitney\"\n")],
+            MOTORS,
+            &[("expect  = \"a < b\"\n", "expect  = \"a < b\"\ntest    = \"mann_whitney\"\n")],
         )],
-        command: CHECK_GRAVITY,
+        command: CHECK_MOTORS,
         codes: &["E0805"],
     },
     Edit {
@@ -263,11 +270,17 @@ pub const EDITS: &[Edit] = &[
         why: "One exploration was to belong to each stiffness, and the axis of explorations stayed.",
         changes: &[(
             GAINS,
-            &[(
-                "path   = \"action.stiffness\"\nvalues = [\"100 %\", \"50 %\", \"25 %\", \"12.5 %\"]\n",
-                "\"100 %\" = { action.stiffness = \"100 %\", action.std = \"1 %\" }\n\"50 %\"  = \
-                 { action.stiffness = \"50 %\", action.std = \"0.5 %\" }\n",
-            )],
+            &[
+                (
+                    "path   = \"action.stiffness\"\nvalues = [\"100 %\", \"50 %\", \"25 %\", \"12.5 %\"]\n",
+                    "\"100 %\" = { action.stiffness = \"100 %\", action.std = \"1 %\" }\n\"50 %\"  = \
+                     { action.stiffness = \"50 %\", action.std = \"0.5 %\" }\n",
+                ),
+                (
+                    "stiffness = [\"25 %\", \"12.5 %\"]\nseeds     = [2, 3]\n",
+                    "stiffness = \"50 %\"\nseeds     = 3\n",
+                ),
+            ],
         )],
         command: CHECK_GAINS,
         codes: &["E0704"],

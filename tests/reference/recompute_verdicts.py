@@ -21,10 +21,6 @@ RULES = 2
 NOTICE = "This page was judged by earlier rules: its record has no per-seed values, so its verdicts cannot be computed again."
 # Judged by earlier rules. A page leaves this list when it is rendered again.
 EXEMPT = set("""
-    action_spaces action_spaces_robots control_rate cross_engine exp1_gain_and_exploration exp2_tasks exp3_robots
-    exp4_obstacle_torque exp5_gain_vs_compliance exp6_uneven_terrain exp7_parameter_sets exp8_contact_force
-    gravity_pretraining headline motor_speed one_recipe payload push_recovery robot_zoo running running_position small_budget
-    small_budget_parts squatting squatting_position walking walking_keys walking_position walking_position_shares
 """.split())
 
 FEW, SMALLEST_OF_FEW = 5, 0.002

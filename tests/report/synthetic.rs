@@ -106,8 +106,8 @@ fn arm(control: &str, quality: f64) -> Arm {
         },
         fields: fields(control),
         origins: BTreeMap::from([
-            ("learn.samples".to_string(), "specs/base/run.toml:37 (profile quick)".to_string()),
-            ("action.std".to_string(), "specs/base/torque.toml:8".to_string()),
+            ("learn.samples".to_string(), "specs/base/task/run.toml:37 (profile quick)".to_string()),
+            ("action.std".to_string(), "specs/base/action/torque.toml:8".to_string()),
         ]),
         robot: Some(robot()),
         motion: Some(motion()),

@@ -33,7 +33,9 @@ pub const LOOSE: &str = "[randomize.loose_bearings]\nkind = \"joint_friction\"\n
 /// a kind of action, and more TOML.
 pub fn blueprint(task: &str, control: &str, more: &str) -> Blueprint {
     let delay = if more.contains("delay = ") { "" } else { "[action]\ndelay = \"0 ms\"\n" };
-    spec(&format!("extends = [\"base/{task}.toml\", \"base/{control}.toml\"]\n{delay}{CALM}{more}"))
+    spec(&format!(
+        "extends = [\"base/task/{task}.toml\", \"base/action/{control}.toml\"]\n{delay}{CALM}{more}"
+    ))
 }
 
 /// The blueprint of a spec for TOCABI beside the committed ones.

@@ -144,7 +144,7 @@ fn write(options: &Options, global: &Global) -> Result<String, Refusal> {
     match &base {
         None if options.extends => {
             let missing = format!(
-                "there is no `base/{}.toml` beside `{}` or in `specs/`",
+                "there is no `base/task/{}.toml` beside `{}` or in `specs/`",
                 wish.task,
                 escape::file(file)
             );

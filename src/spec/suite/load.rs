@@ -250,7 +250,8 @@ impl Bases<'_> {
             }
         }
         let merged = self.known.values().flatten();
-        let mut profiles: Vec<String> = merged.flat_map(|merged| merged.profiles.names().map(str::to_owned)).collect();
+        let mut profiles: Vec<String> =
+            merged.flat_map(|merged| merged.profiles.names().map(str::to_owned)).collect();
         profiles.sort();
         profiles.dedup();
         profiles
