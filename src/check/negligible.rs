@@ -409,26 +409,12 @@ fn speeds(said: &mut Said) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::subject::sample::found;
+    use super::super::subject::sample::{found, values};
     use super::*;
     use crate::robot::tests::robot;
 
-    fn said(text: &str) -> Vec<String> {
-        let tocabi = robot("tocabi");
-        let found = found(values_have_an_effect, text, Some(&tocabi));
-        assert!(found.iter().all(|found| found.code == "W0523"), "{found:?}");
-        found.into_iter().map(|found| found.message).collect()
-    }
-
-    /// Asserts that a text is silent, and that each replacement of its `{}` gives a message with these words.
     fn table(text: &str, sound: &[&str], odd: &[(&str, &str)]) {
-        for value in sound {
-            assert_eq!(said(&text.replace("{}", value)), [""; 0], "{value}");
-        }
-        for (value, words) in odd {
-            let told = said(&text.replace("{}", value));
-            assert!(told.len() == 1 && told[0].contains(words), "{value}: {told:?}");
-        }
+        values(values_have_an_effect, text, sound, odd);
     }
 
     #[test]

@@ -231,26 +231,12 @@ fn speeds(found: &mut Found) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::subject::sample::found;
+    use super::super::subject::sample::{found, values};
     use super::*;
     use crate::robot::tests::robot;
 
-    fn said(text: &str) -> Vec<String> {
-        let tocabi = robot("tocabi");
-        let found = found(values_are_plausible, text, Some(&tocabi));
-        assert!(found.iter().all(|found| found.code == "W0523"), "{found:?}");
-        found.into_iter().map(|found| found.message).collect()
-    }
-
-    /// Asserts that a text is silent, and that each replacement of its `{}` gives a message with these words.
     fn table(text: &str, sound: &[&str], odd: &[(&str, &str)]) {
-        for value in sound {
-            assert_eq!(said(&text.replace("{}", value)), [""; 0], "{value}");
-        }
-        for (value, words) in odd {
-            let told = said(&text.replace("{}", value));
-            assert!(told.len() == 1 && told[0].contains(words), "{value}: {told:?}");
-        }
+        values(values_are_plausible, text, sound, odd);
     }
 
     #[test]

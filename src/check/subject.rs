@@ -217,6 +217,24 @@ pub(super) mod sample {
         rule(&Subject { fields: &table(text), marks: &Marks::default(), robot }, &mut sink);
         sink.diagnostics
     }
+
+    /// Asserts that a rule is silent about TOCABI and a text with each sound value in place of its `{}`, and
+    /// that each odd one gives a single W0523 with these words.
+    pub fn values(rule: fn(&Subject, &mut Sink), text: &str, sound: &[&str], odd: &[(&str, &str)]) {
+        let tocabi = crate::robot::tests::robot("tocabi");
+        let told = |value: &str| {
+            let found = found(rule, &text.replace("{}", value), Some(&tocabi));
+            assert!(found.iter().all(|found| found.code == "W0523"), "{found:?}");
+            found.into_iter().map(|found| found.message).collect::<Vec<_>>()
+        };
+        for value in sound {
+            assert_eq!(told(value), [""; 0], "{value}");
+        }
+        for (value, words) in odd {
+            let told = told(value);
+            assert!(told.len() == 1 && told[0].contains(words), "{value}: {told:?}");
+        }
+    }
 }
 
 #[cfg(test)]
