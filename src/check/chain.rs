@@ -29,8 +29,8 @@ pub fn show_what_was_replaced(diagnostic: &mut Diagnostic, experiment: &Experime
     let Some(place) = diagnostic.labels.first().map(|label| label.span) else { return };
     let Some((path, _)) = owner(place, &experiment.marks) else { return };
     for (span, layer) in experiment.replaced.get(path).into_iter().flatten() {
-        let words = match (layer, &experiment.profile) {
-            (Layer::Profile, Some(profile)) => format!("the value of profile `{profile}`"),
+        let words = match layer {
+            Layer::Profile => format!("the value of profile `{}`", experiment.profile_of(*span)),
             _ => "the spec's own value".to_owned(),
         };
         *diagnostic = diagnostic.clone().note(*span, words);

@@ -17,8 +17,7 @@ pub fn own_values_last(experiment: &Experiment, family: &Family, sources: &Sourc
     }
     let of_profile =
         |profile| parents.iter().filter_map(move |parent| Some((parent.source, overlay(parent, profile)?)));
-    let tables: Vec<(SourceId, &Map)> =
-        experiment.lineage.iter().map(String::as_str).flat_map(of_profile).collect();
+    let tables: Vec<(SourceId, &Map)> = experiment.lineage().into_iter().flat_map(of_profile).collect();
     let search = Search { experiment, profile, tables, own: &own.body, sources };
     for (key, entry) in own.body.entries.iter().filter(|(key, _)| *key != "profile") {
         search.look(key, &entry.node, sink);
@@ -93,6 +92,7 @@ impl Search<'_> {
 
     fn tell(&self, (path, written): (&str, &Node), place: Span, value: &str, sink: &mut Sink) {
         let (profile, own) = (self.profile, written.toml());
+        let holder = self.experiment.profile_of(place);
         let parent = escape::file(&self.sources.get(place.source).name);
         let message = format!(
             "`{path} = {own}` of this spec has no effect with `--profile {profile}`: {parent} overrides it"
@@ -102,10 +102,10 @@ impl Search<'_> {
             None => [format!("{path} = {own}"), format!("{path} = {value}")],
         };
         let help = format!(
-            "write `profile.{profile}.{keep}` in this spec to keep the value, or \
-             `profile.{profile}.{confirm}` if the profile is right"
+            "write `profile.{holder}.{keep}` in this spec to keep the value, or \
+             `profile.{holder}.{confirm}` if the profile is right"
         );
         let diagnostic = Diagnostic::warning("W0525", message).at(written.span, "overridden by the profile");
-        sink.emit(diagnostic.note(place, format!("the value of profile `{profile}`")).help(help));
+        sink.emit(diagnostic.note(place, format!("the value of profile `{holder}`")).help(help));
     }
 }

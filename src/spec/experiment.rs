@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::family::Family;
 use super::origin::{Layers, origins};
+use super::profiles::Profiles;
 use super::typed::Part;
 use super::{Marks, Origin, Reach, Section, Table, Value};
 use crate::diag::{Sink, SourceId, Sources, Span};
@@ -84,8 +85,8 @@ pub struct Experiment {
     pub baselines: Vec<NamedSpec>,
     /// The chosen profile.
     pub profile: Option<String>,
-    /// The chosen profile and those that it extends, lowest priority first.
-    pub lineage: Arc<[String]>,
+    /// The profiles themselves.
+    pub overlays: Arc<Profiles>,
     /// All profiles that could be chosen, sorted.
     pub profiles: Arc<[String]>,
     /// Allowed warnings by code, with the reason.
@@ -127,10 +128,21 @@ impl Experiment {
         Section::new(&self.table).part()
     }
 
+    /// The chosen profile and those that it extends, lowest priority first.
+    pub fn lineage(&self) -> Vec<&str> {
+        self.profile.iter().flat_map(|name| self.overlays.lineage(name)).collect()
+    }
+
+    /// The name of the profile that has a value; the chosen one if that is unknown.
+    pub fn profile_of(&self, place: Span) -> &str {
+        self.overlays.holder(place).or(self.profile.as_deref()).unwrap_or_default()
+    }
+
     /// The origins of all values except tables, by path, given the texts that the spec was loaded from.
     /// Computed on demand, as most commands do not need them.
     pub fn origins(&self, sources: &Sources) -> BTreeMap<String, Origin> {
-        let layers = Layers { profile: self.profile.as_deref(), points: &self.points };
+        let layers =
+            Layers { profile: self.profile.as_deref(), overlays: &self.overlays, points: &self.points };
         origins(&self.table, &self.marks, sources, &layers)
     }
 

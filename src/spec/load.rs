@@ -244,11 +244,6 @@ impl<'a> Loading<'a> {
         chain.into_iter().for_each(|map| merge(root, map, &self.forms));
     }
 
-    /// The chosen profile and those that it extends.
-    fn lineage(&self, profiles: &Profiles) -> Arc<[String]> {
-        self.options.profile.iter().flat_map(|name| profiles.lineage(name)).map(str::to_owned).collect()
-    }
-
     /// The assignments of the command line, as trees.
     pub fn sets(&mut self) -> Vec<Map> {
         let (sources, sink) = (&mut self.sources, &mut self.sink);
@@ -286,7 +281,7 @@ impl<'a> Loading<'a> {
             compare: Vec::new(),
             baselines: Vec::new(),
             profile: self.options.profile.clone(),
-            lineage: self.lineage(&merged.profiles),
+            overlays: merged.profiles.clone(),
             profiles: merged.names.clone(),
             allow: allowed(&table),
             root: folder::root(self.files, overlay.path),

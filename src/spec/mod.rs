@@ -13,7 +13,7 @@ pub mod load;
 pub mod marks;
 pub mod mistake;
 pub mod origin;
-mod profiles;
+pub mod profiles;
 pub mod project;
 pub mod reach;
 mod requires;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::PathBuf;
 
+use super::profiles::Profiles;
 use super::{Marks, Table, Value};
 use crate::diag::{SourceId, Sources};
 use crate::syntax::Layer;
@@ -20,7 +21,7 @@ pub enum Origin {
         /// The line, from 1.
         line: usize,
     },
-    /// A line of the chosen profile.
+    /// A line of the chosen profile, or of one that it extends.
     Profile {
         /// The profile.
         name: String,
@@ -62,6 +63,8 @@ impl fmt::Display for Origin {
 pub struct Layers<'a> {
     /// The chosen profile.
     pub profile: Option<&'a str>,
+    /// All profiles: the chosen one may extend the one that has a value.
+    pub overlays: &'a Profiles,
     /// The points of a sweep (`control=torque`) by the path that they assign.
     pub points: &'a BTreeMap<String, String>,
 }
@@ -99,7 +102,8 @@ pub fn origins(
             Layer::Default => Origin::Default,
             Layer::File => Origin::File { file, line },
             Layer::Profile => {
-                Origin::Profile { name: layers.profile.unwrap_or_default().to_owned(), file, line }
+                let name = layers.overlays.holder(mark.value).or(layers.profile).unwrap_or_default();
+                Origin::Profile { name: name.to_owned(), file, line }
             }
             Layer::Point => Origin::Point { point: layers.point(path), file, line },
             Layer::Set => Origin::Set { assignment: source.text.to_string() },

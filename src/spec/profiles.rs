@@ -75,6 +75,11 @@ impl Profiles {
         lineage
     }
 
+    /// The name of the profile that has a value at a place.
+    pub fn holder(&self, place: Span) -> Option<&str> {
+        self.own.iter().find(|(_, map)| holds(map, place)).map(|(name, _)| name.as_str())
+    }
+
     /// Records what a profile extends, unless it does not exist or the chain would be a cycle or too long.
     fn link(&mut self, extends: Extends, sink: &mut Sink) {
         let Extends { profile, named, place } = extends;
@@ -113,6 +118,13 @@ impl Profiles {
         let distance = |child: &str| self.extended(child).position(|below| below == name).map(|at| at + 1);
         self.extends.keys().filter_map(|child| distance(child)).max().unwrap_or(0)
     }
+}
+
+/// Whether a table has a value at a place.
+fn holds(map: &Map, place: Span) -> bool {
+    map.entries
+        .values()
+        .any(|entry| entry.node.span == place || entry.node.table().is_some_and(|table| holds(table, place)))
 }
 
 fn not_a_table(node: &Node, what: &str) -> Diagnostic {
