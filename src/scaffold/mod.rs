@@ -114,9 +114,10 @@ pub fn child(wish: &Wish, base: &str, schema: Option<&str>) -> String {
          [robot]\nmodel = \"{robot}\"\n\n{}\
          # `specforge show --origins {name}.toml` prints every value with the line that it comes from. Values \
          here\n\
-         # override the parents. `specforge run {name}.toml --profile quick` trains for minutes, without a \
-         profile for hours.\n\
-         # [learn]\n# samples = \"8 M\"\n# [reward.torque]\n# weight = 0.1\n",
+         # override the parents, and the parents' profiles override both: what a profile sets is changed in its \
+         table.\n\
+         # `specforge run {name}.toml --profile quick` trains for minutes, without a profile for hours.\n\
+         # [reward.torque]\n# weight = 0.1\n# [profile.desk.learn]\n# samples = \"8 M\"\n",
         wish.summary(),
         parents.join(", "),
         wish.own()
