@@ -21,10 +21,10 @@ const WILD: &[&str] = &[
     "deploy.mujoco.episodes=1",
 ];
 
-/// A spec in a folder of its own.
-fn spec(folder: &Path, name: &str, more: &str) -> PathBuf {
+/// The spec in a folder, with more lines.
+fn spec(folder: &Path, more: &str) -> PathBuf {
     let parent = Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/tocabi_walk_torque.toml");
-    let path = folder.join(format!("{name}.toml"));
+    let path = folder.join("wild.toml");
     let text = format!(
         "spec = 1\nname = \"wild\"\nsummary = \"A step that is far too large\"\nextends = \
          \"{}\"\n[report]\ncompare = []\n{more}",
@@ -61,8 +61,7 @@ fn warnings(events: &[u8]) -> Vec<serde_json::Value> {
 #[test]
 fn a_training_that_jumps_says_so_in_events_files_and_report_unless_the_spec_means_it() {
     let folder = tempfile::tempdir().unwrap();
-    let (plain, meant) =
-        (spec(folder.path(), "plain", ""), spec(folder.path(), "meant", "[allow]\nW0601 = \"a test\"\n"));
+    let plain = spec(folder.path(), "");
     let store = folder.path().join("store");
 
     let told = warnings(&run(&plain, &store, &["--format", "json"]).stdout);
@@ -90,6 +89,7 @@ fn a_training_that_jumps_says_so_in_events_files_and_report_unless_the_spec_mean
     assert!(row.contains("| 512 | the end |") && row.contains("lower `learn.learning_rate`"), "{row}");
 
     // The learner is the same; only the report is another.
+    let meant = spec(folder.path(), "[allow]\nW0601 = \"a test\"\n");
     let again = run(&meant, &store, &["--format", "json"]);
     assert!(String::from_utf8_lossy(&again.stdout).contains("\"worked\":1"));
     let report = std::fs::read_to_string(store.join("reports/wild.md")).unwrap();
