@@ -264,7 +264,9 @@ impl<'a> Loading<'a> {
         decoder.wordings = WORDINGS;
         let mut table = sections(&root, self.vocabulary, header, &mut decoder);
         let (marks, poisoned) = (decoder.marks, decoder.poisoned);
-        requires::check(merged, &root, self.vocabulary, &mut self.sink);
+        let required = merged.family.members.iter().flat_map(|member| &member.header.requires);
+        let child = requires::Child { root: &root, place: header.place, lenient: merged.lenient() };
+        requires::check(required, &child, self.vocabulary, &mut self.sink);
         let place = header.place.unwrap_or(Span { source: SourceId(0), start: 0, end: 0 });
         table.insert("name".to_owned(), Value::Text(overlay.name.clone()));
         table.insert("summary".to_owned(), Value::Text(header.summary.clone()));

@@ -1,6 +1,5 @@
 //! What parents require: keys that a spec must set because a parent has no value that fits every child.
 
-use super::load::Merged;
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::spec::Vocabulary;
 use crate::spec::suggest::{listed, nearest};
@@ -27,19 +26,32 @@ pub fn requires(node: Option<Node>) -> (Vec<Required>, Vec<Node>) {
     (texts.into_iter().filter_map(required).collect(), wrong)
 }
 
+/// The spec that is held against what its parents require.
+pub struct Child<'a> {
+    /// Merged with its parents, profile and assignments.
+    pub root: &'a Map,
+    /// Where keys missing from the whole file are reported.
+    pub place: Option<Span>,
+    /// Whether keys may be missing, as in an abstract parent.
+    pub lenient: bool,
+}
+
 /// Reports required keys that neither the spec nor a parent sets. A section that is absent or switched off
 /// requires nothing.
-pub fn check(merged: &Merged, root: &Map, vocabulary: &Vocabulary, sink: &mut Sink) {
-    for member in &merged.family.members {
-        for required in &member.header.requires {
-            let found = match unknown_section(required, vocabulary) {
-                Some(error) => Some(error),
-                None if merged.lenient() => None,
-                None => missing(required, root, merged.header.place),
-            };
-            if let Some(error) = found.filter(|error| !sink.diagnostics.contains(error)) {
-                sink.emit(error);
-            }
+pub fn check<'a>(
+    required: impl Iterator<Item = &'a Required>,
+    child: &Child<'_>,
+    vocabulary: &Vocabulary,
+    sink: &mut Sink,
+) {
+    for required in required {
+        let found = match unknown_section(required, vocabulary) {
+            Some(error) => Some(error),
+            None if child.lenient => None,
+            None => missing(required, child),
+        };
+        if let Some(error) = found.filter(|error| !sink.diagnostics.contains(error)) {
+            sink.emit(error);
         }
     }
 }
@@ -60,14 +72,14 @@ fn unknown_section(required: &Required, vocabulary: &Vocabulary) -> Option<Diagn
 }
 
 /// E0101 if the merged spec has no value at the path.
-fn missing(required: &Required, root: &Map, spec: Option<Span>) -> Option<Diagnostic> {
+fn missing(required: &Required, child: &Child<'_>) -> Option<Diagnostic> {
     let (section, _) = required.path.split_once('.')?;
-    let present = root.get(section).filter(|node| !switched_off(node));
-    if present.is_none() || root.at(&required.path).is_some() {
+    let present = child.root.get(section).filter(|node| !switched_off(node));
+    if present.is_none() || child.root.at(&required.path).is_some() {
         return None;
     }
     let error = Diagnostic::error("E0101", format!("missing key `{}`", required.path));
-    let error = match spec {
+    let error = match child.place {
         Some(place) => error.at(place, "set neither in this spec nor in a parent"),
         None => error,
     };
