@@ -7,7 +7,7 @@
 
 use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, ErrorKind, Write};
-use std::os::unix::fs::{OpenOptionsExt, PermissionsExt};
+use std::os::unix::fs::{FileTypeExt, OpenOptionsExt, PermissionsExt};
 use std::path::{Component, Path, PathBuf};
 
 use tempfile::NamedTempFile;
@@ -89,9 +89,24 @@ pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     match fs::metadata(&target) {
         Ok(found) if found.is_file() => put(&target, bytes, Some(found.permissions())),
         Ok(found) if found.is_dir() => Err(ErrorKind::IsADirectory.into()),
-        Ok(_) => OpenOptions::new().write(true).open(path)?.write_all(bytes),
+        Ok(found) => {
+            let _reader = if found.file_type().is_fifo() { Some(pipe(path)?) } else { None };
+            OpenOptions::new().write(true).open(path)?.write_all(bytes)
+        }
         Err(_) => put(&target, bytes, None),
     }
+}
+
+/// Opens a named pipe, which must have a reader: without one, opening it in the usual way would never return.
+fn pipe(path: &Path) -> io::Result<File> {
+    let mut options = OpenOptions::new();
+    options.write(true).custom_flags(rustix::fs::OFlags::NONBLOCK.bits().cast_signed());
+    options.open(path).map_err(|error| match error.raw_os_error() {
+        Some(code) if code == rustix::io::Errno::NXIO.raw_os_error() => {
+            io::Error::other("it is a named pipe that nothing reads, not a file")
+        }
+        _ => error,
+    })
 }
 
 /// Writes a new file; fails with `AlreadyExists` if a file or a link of that name exists.
@@ -207,6 +222,25 @@ mod tests {
         assert_eq!(fs::read(&file).unwrap(), b"two");
         assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o640);
         assert_eq!(names(folder.path()), ["file", "link"], "no draft is left");
+    }
+
+    #[test]
+    fn a_pipe_is_written_to_when_something_reads_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        rustix::fs::mkfifoat(rustix::fs::CWD, &pipe, rustix::fs::Mode::RUSR | rustix::fs::Mode::WUSR)
+            .unwrap();
+        let error = replace(&pipe, b"x").expect_err("nothing reads it");
+        assert!(error.to_string().contains("named pipe that nothing reads"), "{error}");
+        let reader = std::thread::spawn({
+            let pipe = pipe.clone();
+            move || fs::read(pipe).unwrap()
+        });
+        // The reader may not have opened it yet.
+        while replace(&pipe, b"x").is_err() {
+            std::thread::yield_now();
+        }
+        assert_eq!(reader.join().unwrap(), b"x");
     }
 
     #[test]

@@ -19,7 +19,11 @@ pub fn own_values_last(experiment: &Experiment, family: &Family, sources: &Sourc
         |profile| parents.iter().filter_map(move |parent| Some((parent.source, overlay(parent, profile)?)));
     let tables: Vec<(SourceId, &Map)> = experiment.lineage().into_iter().flat_map(of_profile).collect();
     let search = Search { experiment, profile, tables, own: &own.body, sources };
-    for (key, entry) in own.body.entries.iter().filter(|(key, _)| *key != "profile") {
+    // What the spec writes for a profile that the chosen one extends can be lost, too.
+    let extended = experiment.lineage().into_iter().filter(|name| *name != profile);
+    let own_tables = extended.filter_map(|name| overlay(own, name)).flat_map(|map| &map.entries);
+    let sections = own.body.entries.iter().filter(|(key, _)| *key != "profile");
+    for (key, entry) in sections.chain(own_tables) {
         search.look(key, &entry.node, sink);
     }
 }

@@ -14,11 +14,11 @@ use crate::{bounded, safe_fs};
 /// The name of the file.
 const FILE: &str = ".projects";
 
-/// Whether a page is known to be of another project. False for pages of earlier versions and for folders inside
-/// the project.
+/// Whether a page in a folder outside of the project is of another one: of that which contains the folder, or
+/// of one that the file names. False for folders inside the project.
 pub fn is_of_another(folder: &Path, name: &str, project: &Path) -> bool {
     let Some(own) = project_outside(folder, project) else { return false };
-    read(folder).get(name).is_some_and(|known| *known != own)
+    read(folder).get(name) != Some(&own)
 }
 
 /// Notes that a page is of this project, if the folder is outside of it.
@@ -66,7 +66,8 @@ mod tests {
         let theirs = |name: &str, project: &Path| is_of_another(&shared, name, project);
         assert_eq!([theirs("walk", &a), theirs("walk", &b)], [false, true]);
         assert_eq!([theirs("run", &a), theirs("run", &b)], [true, false]);
-        assert_eq!([theirs("a b", &b), theirs("none", &b)], [true, false]);
+        assert_eq!([theirs("a b", &b), theirs("none", &b)], [true, true]);
+        assert!(is_of_another(&inside, "walk", &b), "project A does not note its own pages");
         assert!(!inside.join(FILE).exists(), "its record says enough");
         assert!(!is_of_another(&inside, "walk", &a));
     }
