@@ -96,7 +96,7 @@ impl Spot {
 
 /// The terrain of a `[terrain]` table, through the checker and the environment's own reading.
 fn terrain(lines: &str) -> Terrain {
-    let blueprint = blueprint("stand", "torque", &format!("[terrain]\nfriction = 1.0\n{lines}"));
+    let blueprint = blueprint("walk", "torque", &format!("[terrain]\nfriction = 1.0\n{lines}"));
     ground::terrain(&blueprint.part())
 }
 
@@ -232,8 +232,8 @@ const GROUNDS: [&str; 6] = [
     "kind = \"flat\"\n",
     "kind = \"slope\"\nangle = \"0.15 rad\"\n",
     "kind = \"slope\"\nangle = \"-0.2 rad\"\n",
-    // A bar below the middle of the feet, thinner than they are long.
-    "kind = \"box_obstacle\"\nheight = \"0.03 m\"\nlength = \"0.06 m\"\ndistance = \"0.1 m\"\n",
+    // A bar before the toes.
+    "kind = \"box_obstacle\"\nheight = \"0.03 m\"\nlength = \"0.06 m\"\ndistance = \"0.25 m\"\n",
     "kind = \"height_field\"\namplitude = \"0.06 m\"\ncell = \"0.07 m\"\nlength = \"3 m\"\nwidth = \"3 \
      m\"\nstart = \"0 m\"\nseed = 1\n",
     "kind = \"height_field\"\namplitude = \"0.1 m\"\ncell = \"0.2 m\"\nlength = \"3 m\"\nwidth = \"3 \
@@ -265,7 +265,10 @@ fn every_start_has_its_feet_on_or_above_the_ground_and_the_first_step_no_blow() 
     for engine in engines() {
         for ground in GROUNDS {
             let land = terrain(ground);
-            for (task, initial) in [("walk", ""), ("walk", reference), ("squat", reference)] {
+            // A squat never reaches what lies ahead (E0512).
+            let tasks = [("walk", ""), ("walk", reference), ("squat", reference)];
+            let ahead = ground.contains("distance");
+            for (task, initial) in tasks.into_iter().filter(|(task, _)| *task == "walk" || !ahead) {
                 let text = format!("[terrain]\nfriction = 1.0\n{ground}{initial}{legs}");
                 let blueprint = blueprint(task, "torque", &text);
                 let mut rig = Rig::of_mode(&blueprint, &engine, as_it_is, &Mode::Training);

@@ -57,7 +57,7 @@ impl Wish {
     /// The lines that depend on the robot.
     fn own(&self) -> String {
         let Some(build) = self.proportions() else { return String::new() };
-        [self.motion(), lowest(&build)].concat()
+        [self.motion(), lowest(&build), labels(&build)].concat()
     }
 
     /// Its own motion, or that of the task that comes with the robot: `walk_g1`.
@@ -84,6 +84,16 @@ impl Wish {
         let own = (self.action == "position" && self.has_soft_gains()).then_some("robot/soft_gains");
         parents::family(&self.task, &self.action, own)
     }
+}
+
+/// The pre-training of a robot whose file has no gains to which those of the parents' labels can be relative.
+fn labels(build: &Proportions) -> String {
+    if build.stiffness.is_some() && build.damping.is_some() {
+        return String::new();
+    }
+    "[profile.small.pretrain] # the robot's file has no gains for labels that track the reference\nkind = \
+     \"gravity_compensation\"\nsamples = \"200 k\"\n\n"
+        .to_owned()
 }
 
 /// The height at which episodes end, for a robot that the parents' bounds do not fit.

@@ -122,7 +122,7 @@ fn position_control_needs_a_gain_at_every_joint() {
     }
     // A gain that is not zero, and with which no target holds the robot.
     assert_eq!(code(&import(folder.path(), CRANE, &["stiffness_gain=1e-3 N*m/rad"])), 0);
-    let soft = specforge(folder.path(), &["check", "position.toml"]);
+    let soft = specforge(folder.path(), &["check", "position.toml", "--profile", "paper"]);
     assert!(code(&soft) == 0, "{}", told(&soft));
     assert!(
         told(&soft).contains("warning[W0424]") && told(&soft).contains("warning[W0513]"),
