@@ -371,7 +371,7 @@ fn current(command: &str) -> Sidecar {
     let report = study.plan.stages().find(|stage| stage.kind == StageKind::Report).expect("a report");
     let summary = match &report.fields["summary"] {
         Value::Text(text) => text.clone(),
-        other => panic!("{other:?} is no summary"),
+        other => panic!("the summary is not a text: {other:?}"),
     };
     let claims = suite.claims.iter().map(judged).collect();
     Sidecar { summary, facts: Some(facts), claims, arms: arms.collect(), ..record }
@@ -459,7 +459,7 @@ fn the_advice_names_the_options_of_the_run_and_the_folder_of_the_page() {
     advises("a figure that no record lists", &again("run"));
     resealed(&below, "run", |run| run.report = "other".into());
     advises("a record of another page", &again("run"));
-    // What is in an edited record is no advice.
+    // The options in an edited record are not repeated as advice.
     edited(&below.join("run.json"), "--profile desk", "--profile quick");
     advises("an edited record", "`specforge report SPEC` with the `--profile` and `--set` of its run");
 }

@@ -1,5 +1,5 @@
-//! Which assignments of the command line apply to a spec that another one is compared with. `--set` is meant
-//! for the spec that was named; the specs it is compared with take the values whose keys they have.
+//! Which assignments of the command line apply to a spec that another one is compared with. `--set` applies to
+//! the spec that was named; a compared spec takes only the values whose keys it has.
 
 use std::path::Path;
 

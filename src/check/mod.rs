@@ -26,6 +26,7 @@ mod limits;
 mod motion_kind;
 mod negligible;
 mod observation;
+mod odd;
 mod overridden;
 mod parents;
 mod phase;

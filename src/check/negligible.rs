@@ -6,9 +6,10 @@
 use std::f64::consts::{PI, TAU};
 
 use super::Subject;
+use super::odd::Odd;
 use super::scheduled::is_inherited;
 use super::subject::{duration, short};
-use crate::diag::{Diagnostic, Sink};
+use crate::diag::Sink;
 use crate::kinds::evaluate::{Episodes, Evaluation, Speeds};
 use crate::kinds::learn::Ppo;
 use crate::kinds::learn::ppo::{Critic, LearningRate};
@@ -105,7 +106,7 @@ const WALKING: f64 = 1.0;
 
 /// Every value has an effect.
 pub fn values_have_an_effect(subject: &Subject, sink: &mut Sink) {
-    let mut said = Said { subject, sink };
+    let mut said = Odd { subject, sink };
     observations(&mut said);
     kernels(&mut said);
     terminations(&mut said);
@@ -115,20 +116,7 @@ pub fn values_have_an_effect(subject: &Subject, sink: &mut Sink) {
     speeds(&mut said);
 }
 
-struct Said<'a, 'b> {
-    subject: &'a Subject<'a>,
-    sink: &'b mut Sink,
-}
-
-impl Said<'_, '_> {
-    fn warn(&mut self, path: &str, message: String, help: &str) {
-        let mut diagnostic = Diagnostic::warning("W0523", message);
-        if let Some(place) = self.subject.place(path) {
-            diagnostic = diagnostic.at(place, "");
-        }
-        self.sink.emit(diagnostic.help(help));
-    }
-
+impl Odd<'_, '_> {
     fn written(&self, path: &str) -> String {
         self.subject.written(path)
     }
@@ -148,7 +136,7 @@ fn numbers(subject: &Subject, path: &str) -> Vec<f64> {
     }
 }
 
-fn observations(said: &mut Said) {
+fn observations(said: &mut Odd) {
     let subject = said.subject;
     for (path, term) in subject.terms::<Observations>() {
         let Some(seen) = SEEN.iter().find(|seen| term.kind() == Some(seen.kind)) else { continue };
@@ -204,7 +192,7 @@ fn observations(said: &mut Said) {
     }
 }
 
-fn kernels(said: &mut Said) {
+fn kernels(said: &mut Odd) {
     for (path, term) in said.subject.terms::<Rewards>() {
         let Some(kernel) = KERNELS.iter().find(|kernel| term.kind() == Some(kernel.kind)) else { continue };
         let key = format!("{path}.k");
@@ -221,7 +209,7 @@ fn kernels(said: &mut Said) {
     }
 }
 
-fn terminations(said: &mut Said) {
+fn terminations(said: &mut Odd) {
     for (path, term) in said.subject.terms::<Terminations>() {
         if term.is::<BaseTilt>() {
             let key = BaseTilt::above.below(&path);
@@ -248,7 +236,7 @@ fn terminations(said: &mut Said) {
 }
 
 /// A limit that is exceeded at once, or never.
-fn bounded(said: &mut Said, path: &str, key: &str, [least, most]: [f64; 2], help: &str) {
+fn bounded(said: &mut Odd, path: &str, key: &str, [least, most]: [f64; 2], help: &str) {
     let Some(limit) = said.subject.number(key) else { return };
     let written = said.written(key);
     if limit < least {
@@ -258,7 +246,7 @@ fn bounded(said: &mut Said, path: &str, key: &str, [least, most]: [f64; 2], help
     }
 }
 
-fn grounds(said: &mut Said) {
+fn grounds(said: &mut Odd) {
     for path in said.subject.grounds() {
         let key = Flat::friction.below(&path);
         if said.subject.number(&key).is_some_and(|friction| friction < SLIPPERY) {
@@ -277,7 +265,7 @@ fn largest(rate: Option<LearningRate>) -> Option<f64> {
     })
 }
 
-fn learning(said: &mut Said) {
+fn learning(said: &mut Odd) {
     let subject = said.subject;
     if subject.at(Ppo::samples).is_none_or(|samples| samples == 0) {
         return;
@@ -339,7 +327,7 @@ fn learning(said: &mut Said) {
 }
 
 /// A command is reached before the next one, and its ramp has something to lead to.
-fn commands(said: &mut Said) {
+fn commands(said: &mut Odd) {
     let subject = said.subject;
     let table = Walk::command.path();
     let [every_key, ramp_key] = [Command::every.below(&table), Command::ramp.below(&table)];
@@ -365,7 +353,7 @@ fn commands(said: &mut Said) {
 }
 
 /// No command is beyond what legs of this length can do.
-fn speeds(said: &mut Said) {
+fn speeds(said: &mut Odd) {
     let subject = said.subject;
     let Some(robot) = subject.robot else { return };
     let leg = hip_height(robot).max(1e-3);

@@ -4,8 +4,9 @@
 //! Each bound is at least five times away from the values of the shipped specs.
 
 use super::Subject;
+use super::odd::Odd;
 use super::subject::short;
-use crate::diag::{Diagnostic, Sink};
+use crate::diag::Sink;
 use crate::kinds::evaluate::{self, Episodes, Evaluation, Speeds, Spread};
 use crate::kinds::initial::Initial;
 use crate::kinds::observe::Observations;
@@ -36,7 +37,7 @@ const FASTEST: f64 = 9.0;
 
 /// Values are those of robots and sensors.
 pub fn values_are_plausible(subject: &Subject, sink: &mut Sink) {
-    let mut found = Found { subject, sink };
+    let mut found = Odd { subject, sink };
     offsets(&mut found);
     noises(&mut found);
     pushes(&mut found);
@@ -46,20 +47,7 @@ pub fn values_are_plausible(subject: &Subject, sink: &mut Sink) {
     dampings(&mut found);
 }
 
-struct Found<'a, 'b> {
-    subject: &'a Subject<'a>,
-    sink: &'b mut Sink,
-}
-
-impl Found<'_, '_> {
-    fn warn(&mut self, path: &str, message: String, help: &str) {
-        let mut diagnostic = Diagnostic::warning("W0523", message);
-        if let Some(place) = self.subject.place(path) {
-            diagnostic = diagnostic.at(place, "");
-        }
-        self.sink.emit(diagnostic.help(help));
-    }
-
+impl Odd<'_, '_> {
     /// The largest magnitude that a distribution gives: the deviation of a normal one about its mean.
     fn largest(&self, path: &str) -> Option<f64> {
         Some(match Sampled::<crate::spec::typed::units::One>::read(self.subject.value(path)?)? {
@@ -69,7 +57,7 @@ impl Found<'_, '_> {
     }
 }
 
-fn offsets(found: &mut Found) {
+fn offsets(found: &mut Odd) {
     let subject = found.subject;
     for (path, _) in subject.randomizations().iter().filter(|(_, row)| row.is::<JointOffset>()) {
         let key = JointOffset::offset.below(path);
@@ -82,7 +70,7 @@ fn offsets(found: &mut Found) {
     }
 }
 
-fn noises(found: &mut Found) {
+fn noises(found: &mut Odd) {
     let subject = found.subject;
     for (path, _) in subject.terms::<Observations>().iter().filter(|(_, term)| term.is::<JointPosition>()) {
         let key = JointPosition::noise.below(path);
@@ -105,7 +93,7 @@ fn noises(found: &mut Found) {
     }
 }
 
-fn pushes(found: &mut Found) {
+fn pushes(found: &mut Odd) {
     let subject = found.subject;
     let Some(mass) = subject.robot.map(|robot| robot.total_mass()) else { return };
     for (path, _) in subject.randomizations().iter().filter(|(_, row)| row.is::<Pushes>()) {
@@ -130,7 +118,7 @@ fn pushes(found: &mut Found) {
     }
 }
 
-fn grounds(found: &mut Found) {
+fn grounds(found: &mut Odd) {
     let subject = found.subject;
     for path in subject.grounds() {
         let Some(ground) = subject.section(&path) else { continue };
@@ -152,7 +140,7 @@ fn grounds(found: &mut Found) {
             let slides = libm::tan(angle.abs()) >= friction || angle.abs() >= std::f64::consts::FRAC_PI_2;
             if slides && friction > 0.0 {
                 let message = format!(
-                    "no robot stands on `{path}`: a slope of {} deg needs a friction above {}, and it is {}",
+                    "a robot slides on `{path}`: a slope of {} deg needs a friction above {}, and it is {}",
                     short(angle.abs().to_degrees()),
                     short(libm::tan(angle.abs().min(1.57))),
                     short(friction)
@@ -164,7 +152,7 @@ fn grounds(found: &mut Found) {
 }
 
 /// Randomizations that multiply by 1.
-fn scales(found: &mut Found) {
+fn scales(found: &mut Odd) {
     let subject = found.subject;
     for (path, _) in subject.randomizations() {
         let key = format!("{path}.scale");
@@ -181,7 +169,7 @@ fn scales(found: &mut Found) {
 }
 
 /// The servos that give the labels of the pre-training are damped, by themselves or by their joints.
-fn dampings(found: &mut Found) {
+fn dampings(found: &mut Odd) {
     let subject = found.subject;
     let Some(robot) = subject.robot else { return };
     let key = format!("{}.damping", Pretraining::SECTION);
@@ -193,7 +181,7 @@ fn dampings(found: &mut Found) {
 }
 
 /// No evaluation is far beyond the trained commands, unless the training has none.
-fn speeds(found: &mut Found) {
+fn speeds(found: &mut Odd) {
     let subject = found.subject;
     let Some(robot) = subject.robot else { return };
     let Some(command) = Task::commanded(subject.spec()) else { return };
@@ -265,7 +253,7 @@ mod tests {
     fn grounds_without_a_height_or_too_steep_for_their_friction_are_told() {
         for place in ["terrain", "evaluate.course.terrain"] {
             let slope = format!("{place} = {{ kind = \"slope\", friction = 0.5, angle = {{}} }}");
-            let slides = "no robot stands on";
+            let slides = "a robot slides on";
             table(&slope, &["0.0", "0.2", "-0.4"], &[("0.6", slides), ("-0.7", slides), ("3.0", slides)]);
             let text = format!("{place} = {{ kind = \"box_obstacle\", friction = 1.0, height = {{}} }}");
             table(&text, &["0.01"], &[("0.0", "is flat ground")]);

@@ -69,7 +69,7 @@ fn cure(subject: &Subject, (path, rate): (&str, f64), (whole_path, physics): (&s
     let multiples: Vec<f64> = (1..count).map(|count| rate * count as f64).collect();
     let of_training = !subject.protocols().iter().any(|(other, _)| whole_path == Setting::rate.below(other));
     let both = [(path, rate, fractions, of_training), (whole_path, physics, multiples, true)];
-    // Rates that settle all conflicts; only where there are none, those that settle this one.
+    // Rates that settle all conflicts are preferred to those that settle this one alone.
     let of = |all: bool| -> Vec<String> {
         let offers = both.iter().filter(|(.., offered)| *offered);
         offers.filter_map(|(key, rate, rates, _)| neighbours(subject, (key, *rate), rates, all)).collect()

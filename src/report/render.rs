@@ -53,14 +53,21 @@ pub fn check(name: &str, templates: &Templates, sources: &mut Sources) -> Vec<Di
     if found.iter().any(|diagnostic| diagnostic.severity == Severity::Error) {
         return found;
     }
-    // Rendered once without arms: endless loops and templates that include themselves show up even so. All
-    // other errors are ignored, as missing arms may cause them.
+    // Rendered once without arms: endless loops and templates that include or extend themselves show up even
+    // so. All other errors are ignored, as missing arms may cause them.
     match limits::render(environment, name, Value::from(Serde(&page))) {
-        Err(error) if limits::is_exceeded(limits::cause(&error)) => {
+        Err(error) if is_endless(limits::cause(&error)) => {
             vec![failed(&error, name, templates, sources)]
         }
         Ok(_) | Err(_) => found,
     }
+}
+
+/// Whether a template goes on without an end, whatever the arms are.
+fn is_endless(error: &minijinja::Error) -> bool {
+    // minijinja has no kind of its own for it.
+    limits::is_exceeded(error)
+        || error.detail().is_some_and(|detail| detail.starts_with("cycle in template inheritance"))
 }
 
 /// The errors of a template and of all that it references, directly or indirectly.

@@ -29,8 +29,8 @@ struct Extends {
 }
 
 impl Profiles {
-    /// Removes the profiles from a merged spec. Those that are no tables, too many, or extend what does not
-    /// exist are reported.
+    /// Removes the profiles from a merged spec. Reports profiles that are not tables, that extend an unknown
+    /// profile, and those beyond the limit.
     pub fn take(root: &mut Map, sink: &mut Sink) -> Self {
         let Some(entry) = root.entries.remove("profile") else { return Self::default() };
         let Item::Table(map) = entry.node.item else {

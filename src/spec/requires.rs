@@ -14,7 +14,7 @@ pub struct Required {
     pub place: Span,
 }
 
-/// The value of `requires`. Items that are no paths are returned, too.
+/// The value of `requires`, and its items that are not texts.
 pub fn requires(node: Option<Node>) -> (Vec<Required>, Vec<Node>) {
     let items = match node {
         None => Vec::new(),

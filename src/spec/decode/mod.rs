@@ -277,7 +277,7 @@ impl<'a> Decoder<'a> {
             let expected = format!("`{}` takes a list, found {}", param.name, node.describe());
             let error = Diagnostic::error("E0103", expected).at(node.span, "not a list");
             let written = match (node.table(), item) {
-                // Keys such as `hidden.0` are meant as indices; a list of values holds no table.
+                // Keys such as `hidden.0` are indices: the list was written as a table.
                 (Some(map), _) if !map.entries.is_empty() && map.entries.keys().all(|key| is_index(key)) => {
                     let items: Vec<String> = map.entries.values().map(|entry| entry.node.toml()).collect();
                     format!("[{}]", items.join(", "))
