@@ -50,6 +50,7 @@ pub static KINDS: &[&MetricKind] = &[
     &metric!("flight", "no foot on the ground", Episodes(|e| e.flight))
         .unit("%", Dimension::NONE, 0)
         .of(Travelling)
+        .of_a_task_done()
         .in_tables()
         .between(0.0, 1.0),
     &metric!("flight_per_step", "steps with a flight phase", Episodes(|e| e.flight_per_step))
@@ -76,16 +77,19 @@ pub static KINDS: &[&MetricKind] = &[
     .unit("", Dimension::NONE, 1)
     .better(Lower)
     .of(Flying)
+    .of_a_task_done()
     .in_tables()
     .not_negative(),
     &metric!("left_steps", "steps of the left foot", Episodes(|e| f64::from(e.steps[0])))
         .unit("", Dimension::NONE, 1)
         .of(Travelling)
+        .of_a_task_done()
         .in_tables()
         .not_negative(),
     &metric!("right_steps", "steps of the right foot", Episodes(|e| f64::from(e.steps[1])))
         .unit("", Dimension::NONE, 1)
         .of(Travelling)
+        .of_a_task_done()
         .in_tables()
         .not_negative(),
     &metric!("cadence", "touch-downs per second", Episodes(cadence))

@@ -390,6 +390,11 @@ fn the_speed_of_robots_that_fall_is_not_meaningful_and_their_runs_are_named() {
     pushed[1].evaluations[0].evaluation.episodes[0].end = "exploded".into();
     let exploded = judged(&[claim(lines)], runs(&fast), pushed).remove(0);
     assert_eq!((exploded.verdict, &*exploded.failing[0]), (Ruling::NotMeaningful, "control=position,seed=2"));
+    for metric in ["flight", "starting_steps", "left_steps", "right_steps", "distance", "torque_rms"] {
+        let lines = format!("metric = \"evaluate.nominal.{metric}\"\nexpect = \"a > b\"");
+        let fallen = judged(&[claim(&lines)], runs(&fast), runs(&[7, 8, 7, 8, 7])).remove(0);
+        assert_eq!(fallen.verdict, Ruling::NotMeaningful, "{metric}");
+    }
     let survival = judged(&[claim("expect = \"a > b\"")], runs(&fast), runs(&[7, 8, 7, 8, 7])).remove(0);
     assert_eq!(survival.verdict, Ruling::Pass, "survival says that they fall");
 }
