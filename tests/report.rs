@@ -102,7 +102,7 @@ fn a_page_with_a_baseline_has_the_keys_that_differ_with_both_values_and_one_with
             .text
             .clone()
     };
-    assert!(!page(&input).contains("## Deviations"));
+    assert!(!page(&input).contains("<summary>Deviations"));
     let mut baseline = input.arms[0].fields.clone();
     baseline.insert("name".into(), Value::Text("usual_run".into()));
     let Some(Value::Table(learn)) = baseline.get_mut("learn") else { panic!("it learns") };
@@ -112,7 +112,12 @@ fn a_page_with_a_baseline_has_the_keys_that_differ_with_both_values_and_one_with
         (arm.baseline, arm.budget_share) = (Some(0), Some(0.5));
     }
     let text = page(&input);
-    assert!(text.contains("## Deviations\n\nCompared with the baseline `usual_run`.\n\n* "), "{text}");
+    assert!(
+        text.contains(
+            "<summary>Deviations from the baseline</summary>\n\nCompared with the baseline `usual_run`.\n\n* "
+        ),
+        "{text}"
+    );
     assert!(text.contains("(`learn.samples`): 3.0 M; the baseline has 6.0 M.\n"), "{text}");
     assert!(text.contains("(`action.kind`): position in 1 of 2 runs; the baseline has torque.\n"), "{text}");
     assert!(text.contains("| share of the baseline's samples | 50 % | 50 % |"), "{text}");
@@ -132,6 +137,42 @@ fn the_report_is_what_the_golden_says() {
         }
         let expected = fs::read_to_string(&path).expect("the golden is there; SPECFORGE_BLESS=1 writes it");
         assert_eq!(file.text, expected, "{name}: if the change is meant, bless it with SPECFORGE_BLESS=1");
+    }
+}
+
+/// The words of a page outside its folded parts.
+fn unfolded(page: &str) -> usize {
+    let mut depth = 0;
+    let mut words = 0;
+    for line in page.lines() {
+        depth += line.matches("<details>").count();
+        words += if depth == 0 { line.split_whitespace().filter(|word| *word != "|").count() } else { 0 };
+        depth -= line.matches("</details>").count();
+    }
+    assert_eq!(depth, 0, "every folded part ends");
+    words
+}
+
+/// A reader has the question, the answer and its certainty within a minute.
+#[test]
+fn a_page_has_at_most_800_words_that_are_not_folded_and_its_question_and_answer_come_first() {
+    let reports = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports");
+    let mut pages = vec![("the made-up page".to_owned(), rendered().remove(0).text)];
+    for folder in ["", "paper", "studies"] {
+        let files = fs::read_dir(reports.join(folder)).expect("the reports are there").flatten();
+        let files =
+            files.map(|file| file.path()).filter(|path| path.extension().is_some_and(|end| end == "md"));
+        let files = files.filter(|path| path.with_extension("json").is_file());
+        pages.extend(files.map(|path| {
+            (path.display().to_string(), fs::read_to_string(&path).expect("the page can be read"))
+        }));
+    }
+    assert!(pages.len() > 1, "there are committed pages");
+    for (name, text) in pages {
+        let words = unfolded(&text);
+        assert!(words <= 800, "{name}: {words} words are not folded");
+        let [question, answer] = ["**Question.**", "**Answer.**"].map(|mark| text.find(mark));
+        assert!(question.is_some() && question < answer, "{name}");
     }
 }
 
@@ -257,7 +298,7 @@ fn one_number_has_one_interval_wherever_it_stands() {
     let number = row.split('|').nth(2).expect("a first column").trim().to_owned();
     let (mean, interval) = number.split_once(' ').expect("a mean with its interval");
     let elsewhere = text.matches(&format!("{mean} m/s {interval}")).count();
-    assert_eq!(elsewhere, 2, "in the result and in its criteria: {number}\n{text}");
+    assert_eq!(elsewhere, 3, "at a glance, in the result and in its criteria: {number}\n{text}");
 }
 
 #[test]

@@ -192,14 +192,14 @@ fn the_report_gathers_seeds_into_arms_with_intervals_and_says_what_is_missing() 
     assert!(text.contains("11 of 12 runs in 4 arms have all their results."), "{text}");
     assert!(
         text.contains(
-            "control=position,std=5 %,seed=2: stage `learner` has no result: [R0001] the state became NaN."
+            "position, std 5 %, seed 2: stage `learner` has no result: [R0001] the state became NaN."
         ),
         "{text}"
     );
     // The mean of 75, 50 and 25 % over three seeds.
-    let row = text.lines().find(|line| line.starts_with("| `control=torque,std=10 %` | 3 | 50 ["));
+    let row = text.lines().find(|line| line.starts_with("| torque, std 10 % | 3 | 50 ["));
     assert!(row.is_some(), "{text}");
-    let row = text.lines().find(|line| line.starts_with("| `control=position,std=5 %` | 2 | 50 ["));
+    let row = text.lines().find(|line| line.starts_with("| position, std 5 % | 2 | 50 ["));
     assert!(row.is_some(), "the seed that failed is not counted: {text}");
     let few = "the range of 3 seeds, which covers about 75 to 80 %, not 95 %";
     assert!(text.contains(&format!("3 seeds per arm: a bootstrap interval over them is {few}")), "{text}");

@@ -52,6 +52,8 @@ pub fn gather(job: &Job, law: Law) -> Result<ReportInput, WorkError> {
         suite: job.plan.suite.clone(),
         figures: texts_at(job.fields, Report::figures),
         deviations: texts_at(job.fields, Report::deviations),
+        question: Section::new(job.fields).at(Report::question).unwrap_or_default(),
+        reasons: texts_at(job.fields, Report::reasons),
         baselines,
     })
 }

@@ -1,9 +1,11 @@
 //! Reports: judged claims, figures, tables, templates, provenance. Never simulates.
 
+pub mod answer;
 pub mod baseline;
 pub mod claim;
 pub mod comparison;
 pub mod crossing;
+pub mod dead_reward;
 pub mod deviations;
 pub mod digests;
 pub mod earlier;
@@ -28,6 +30,7 @@ pub mod paths;
 pub mod plot;
 pub mod preflight;
 pub mod publish;
+pub mod question;
 pub mod render;
 pub mod render_command;
 pub mod returns;

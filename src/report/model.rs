@@ -51,6 +51,12 @@ pub struct ReportInput {
     /// The spec's declared deviations from the experiment that it reproduces.
     #[serde(default)]
     pub deviations: Vec<String>,
+    /// The question that the spec says the report answers; may be empty.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub question: String,
+    /// Why the result may differ from the paper's, in the spec's sentences.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub reasons: Vec<String>,
     /// The specs that the arms are compared with, resolved; each arm has the index of its own.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub baselines: Vec<Table>,

@@ -2,14 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::answer;
 use super::claim::{self, Judged};
 use super::deviations;
 use super::figure::{self, Figure};
 use super::headline;
 use super::model::ReportInput;
 use super::no_curve;
+use super::question::question;
 use super::suite::{self, page::SuitePage};
-use super::table::{Table, endings, evaluation, health, learning, provenance, setup};
+use super::table::{Table, endings, evaluation, glance, health, learning, provenance, setup};
 use super::warning::warnings;
 use super::wording::{command, labels, short};
 
@@ -22,6 +24,12 @@ pub struct Page {
     pub summary: String,
     /// The profile; empty without one.
     pub profile: String,
+    /// The question that the report answers.
+    pub question: String,
+    /// The answer in a few sentences.
+    pub answer: String,
+    /// Why the result may differ from the paper's, in the spec's sentences.
+    pub reasons: Vec<String>,
     /// The result in one paragraph per arm.
     pub result: Vec<String>,
     /// Warnings for the reader.
@@ -46,8 +54,6 @@ pub struct Page {
     pub claims: Table,
     /// The claims as sentences.
     pub claim_sentences: Vec<String>,
-    /// How many claims pass, fail and are not established; empty without claims.
-    pub claim_count: String,
     /// Which claims are corrected for multiple testing.
     pub claim_correction: String,
     /// The claims with all their numbers.
@@ -80,6 +86,8 @@ pub struct ArmPage {
 /// The tables.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tables {
+    /// The answer in numbers: one row per policy and engine, or one per claim of a suite.
+    pub at_a_glance: Table,
     /// The setup.
     pub setup: Table,
     /// Differences between the arms.
@@ -153,10 +161,18 @@ impl Page {
         let of_suite = input.suite.is_some();
         let judged = suite::judged(input);
         let result = if of_suite { suite::page::paragraphs(input) } else { headline::paragraphs(input) };
+        let answer = match (of_suite, judged.is_empty()) {
+            (false, _) => answer::of_arms(input),
+            (true, false) => answer::of_claims(&judged),
+            (true, true) => "The suite makes no claims; its numbers stand below.".to_owned(),
+        };
         Self {
             name: input.name.clone(),
             summary: input.summary.clone(),
             profile: input.profile.clone().unwrap_or_default(),
+            question: question(input),
+            answer,
+            reasons: input.reasons.clone(),
             result: claim::meaningless(&judged).into_iter().chain(result).collect(),
             warnings: if of_suite { suite::warning::warnings(input) } else { warnings(input) },
             deviations: deviations::sentences(input),
@@ -164,7 +180,8 @@ impl Page {
             health: health::sentences(input),
             arms: if of_suite { Vec::new() } else { arms(input) },
             tables: if of_suite {
-                Tables { cost: provenance::sum(input), ..Tables::default() }
+                let at_a_glance = glance::of_claims(&judged);
+                Tables { at_a_glance, cost: provenance::sum(input), ..Tables::default() }
             } else {
                 tables(input, figures)
             },
@@ -173,7 +190,6 @@ impl Page {
             suite: SuitePage::new(input),
             claims: claim::table(&judged),
             claim_sentences: claim::sentences(&judged),
-            claim_count: claim::count(&judged),
             claim_correction: claim::correction(&judged),
             judged,
             run_command: command(input, "run"),
@@ -186,6 +202,7 @@ impl Page {
     /// All tables in the order of the report.
     pub fn all_tables(&self) -> Vec<&Table> {
         let Tables {
+            at_a_glance,
             setup,
             differences,
             learning,
@@ -200,8 +217,17 @@ impl Page {
             stages,
             provenance,
         } = &self.tables;
-        let mut tables =
-            vec![setup, differences, learning, fine_tuning, health, endings, evaluation, criteria];
+        let mut tables = vec![
+            at_a_glance,
+            setup,
+            differences,
+            learning,
+            fine_tuning,
+            health,
+            endings,
+            evaluation,
+            criteria,
+        ];
         tables.extend(comparisons);
         tables.extend([reward, cost, stages, provenance]);
         tables.extend(self.suite.tables());
@@ -223,6 +249,7 @@ fn arms(input: &ReportInput) -> Vec<ArmPage> {
 
 fn tables(input: &ReportInput, figures: &[Figure]) -> Tables {
     let mut tables = Tables {
+        at_a_glance: glance::of_arms(input),
         setup: setup::setup(input),
         differences: setup::differences(input),
         learning: learning::learning(input),

@@ -7,7 +7,7 @@ use super::model::{Arm, Measured, ReportInput};
 use super::suite::groups;
 use super::table::conditions::conditions;
 use super::verdict::judge;
-use super::wording::labels;
+use super::wording::{arm_in_words, labels};
 use crate::outcome::Evaluation;
 
 /// Most arms that are listed by name.
@@ -71,7 +71,7 @@ impl TaskRecord {
             (_, 1) => format!("1 of {policies} policies is"),
             _ => format!("{unjudged} of {policies} policies are"),
         };
-        format!("{arm}: {who} not judged in `{stage}` ({reason})")
+        format!("{}: {who} not judged in `{stage}` ({reason})", arm_in_words(arm))
     }
 
     /// `control=torque: 2 of 3 policies do not walk in evaluate.nominal (not met: ...)`.
@@ -85,7 +85,7 @@ impl TaskRecord {
                 format!("{failing} of {policies} policies{} {verb} not {stem}", self.seeds_in_words())
             }
         };
-        format!("{arm}: {who} in `{stage}` (not met: {})", missed.join("; "))
+        format!("{}: {who} in `{stage}` (not met: {})", arm_in_words(arm), missed.join("; "))
     }
 }
 
@@ -284,7 +284,7 @@ mod tests {
             (3, &[1, 2, 3], "3 of 3 policies do not walk"),
             (2, &[], "2 of 3 policies do not walk"),
         ] {
-            let expected = format!("control=torque: {words} in `evaluate.nominal` (not met: is fast)");
+            let expected = format!("torque: {words} in `evaluate.nominal` (not met: is fast)");
             assert_eq!(record(failing, seeds).sentence(), expected);
         }
         let expected = serde_json::json!({
@@ -298,7 +298,7 @@ mod tests {
         let told = paragraph(&many).expect("all fail");
         assert!(told.starts_with("**10 of 10 arms have policies that do not do their task.**"), "{told}");
         assert!(
-            told.contains("arm=7: ") && !told.contains("arm=8: ") && told.ends_with("; and 2 more."),
+            told.contains("arm 7: ") && !told.contains("arm 8: ") && told.ends_with("; and 2 more."),
             "{told}"
         );
     }
@@ -333,10 +333,6 @@ mod tests {
         let runs = [arm("a", false), arm("a", true), arm("a", false)];
         let record = of_stage("control=torque", &runs.iter().collect::<Vec<_>>(), "evaluate.nominal");
         assert!(!record.fails());
-        assert!(
-            record
-                .sentence()
-                .starts_with("control=torque: 2 of 3 policies do not squat in `evaluate.nominal`")
-        );
+        assert!(record.sentence().starts_with("torque: 2 of 3 policies do not squat in `evaluate.nominal`"));
     }
 }

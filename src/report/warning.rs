@@ -2,6 +2,7 @@
 
 use super::comparison::are_paired;
 use super::crossing;
+use super::dead_reward;
 use super::model::{Arm, ReportInput, Update};
 use super::table::health::shown;
 use super::table::setup::{budget_samples, learning_samples};
@@ -32,6 +33,7 @@ pub fn warnings(input: &ReportInput) -> Vec<String> {
     warnings.extend(budgets(input, &names));
     warnings.extend(robots(input));
     warnings.extend(rewards(input));
+    warnings.extend(dead_reward::sentences(input));
     for (arm, name) in input.arms.iter().zip(&names) {
         warnings.extend(of_learning(arm, name));
     }

@@ -45,6 +45,30 @@ pub fn capitalised(text: &str) -> String {
     characters.next().map_or(String::new(), |first| first.to_uppercase().chain(characters).collect())
 }
 
+/// `a`, `a and b`, `a, b and c`.
+pub fn listed<T: AsRef<str>>(items: &[T]) -> String {
+    let items: Vec<&str> = items.iter().map(AsRef::as_ref).collect();
+    match items.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => items.concat(),
+    }
+}
+
+/// Axes whose points say what they are without the axis.
+const PLAIN_AXES: &[&str] = &["robot", "task", "control", "case", "setting"];
+
+/// The name of an arm or a run of a suite in words: `robot=tocabi,std=10 %,seed=2` is `tocabi, std 10 %, seed 2`.
+/// A name of another form stays as it is.
+pub fn arm_in_words(name: &str) -> String {
+    let part = |text: &str| {
+        let (axis, point) = text.split_once('=')?;
+        let [axis, point] = [axis, point].map(|text| text.replace('_', " "));
+        Some(if PLAIN_AXES.contains(&axis.as_str()) { point } else { format!("{axis} {point}") })
+    };
+    let parts: Option<Vec<String>> = name.split(',').map(part).collect();
+    parts.map_or_else(|| name.to_owned(), |parts| parts.join(", "))
+}
+
 /// A p value in few digits: `< 0.001`, `0.012`.
 pub fn significance(p: f64) -> String {
     if p < 0.001 { "< 0.001".to_owned() } else { format!("{p:.3}") }

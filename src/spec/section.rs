@@ -97,6 +97,11 @@ keys! {
         /// What is done in another way than the experiment that is reproduced, a sentence each; printed in
         /// the report, those of a baseline too.
         deviations: Option<Vec<String>>,
+        /// The question that the report answers, as a sentence; without it one is made of the task and the
+        /// arms.
+        question: Option<String>,
+        /// Why the result may differ from the paper's, a sentence each; printed below the answer.
+        reasons: Option<Vec<String>>,
     }
 }
 

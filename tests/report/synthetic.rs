@@ -34,6 +34,8 @@ pub fn input() -> ReportInput {
         suite: None,
         figures: vec![],
         deviations: vec![],
+        question: String::new(),
+        reasons: vec!["The paper's robot weighs more".into()],
         baselines: vec![],
     }
 }

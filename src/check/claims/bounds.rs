@@ -68,7 +68,8 @@ pub fn distances_are_possible(
     }
 }
 
-/// E0204: the assumed effect and spread are possible for the metric. Returns whether they are.
+/// E0204: the assumed effect and spread and the paper's number are possible for the metric. Returns whether the
+/// effect is.
 pub fn assumed_values_are_possible(
     claim: &Claim,
     metric: &MetricKind,
@@ -86,12 +87,16 @@ pub fn assumed_values_are_possible(
         report("spread", "a standard deviation", Range { low: 0.0, high: most });
     }
     let range = range::of_the_arms(claim, metric, cases.len());
-    let Some(_) = claim.effect.as_ref().filter(|effect| !range.contains(effect.si)) else { return true };
     let what = match (claim.sides.len(), &claim.over) {
         (_, Some(Over::Trend(_))) => "a slope",
         (1, _) => "a value",
         _ => "a difference",
     };
+    let number = claim.paper.as_ref().and_then(|paper| paper.number.as_ref());
+    if number.is_some_and(|number| !range.contains(number.si)) {
+        report("paper.number", what, range);
+    }
+    let Some(_) = claim.effect.as_ref().filter(|effect| !range.contains(effect.si)) else { return true };
     report("effect", what, range);
     false
 }

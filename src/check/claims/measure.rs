@@ -350,7 +350,9 @@ pub fn units(claim: &Claim, statistic: &StatisticKind, metric: &MetricKind, sink
     let measured = if is_ratio { Dimension::NONE } else { metric.dimension };
     let spread = claim.spread.as_ref().map(|spread| ("spread", spread));
     let effect = claim.effect.as_ref().map(|effect| ("effect", effect));
-    for (key, quantity) in [spread, effect].into_iter().flatten() {
+    let number = claim.paper.as_ref().and_then(|paper| paper.number.as_ref());
+    let number = number.map(|number| ("paper.number", number));
+    for (key, quantity) in [spread, effect, number].into_iter().flatten() {
         unit(claim, (key, quantity), (metric, measured), sink);
     }
 }

@@ -5,7 +5,7 @@ use crate::escape::markdown::code;
 use crate::kinds::metric;
 use crate::kinds::statistic::{self, FEW, SMALLEST_OF_FEW, Unit};
 use crate::report::table::{Cell, Table};
-use crate::report::wording::{capitalised, significance, with_interval};
+use crate::report::wording::{arm_in_words, capitalised, listed, significance, with_interval};
 use crate::spec::claim::Paper;
 use crate::statistics::mean::coverage;
 
@@ -22,7 +22,9 @@ pub fn table(judged: &[Judged]) -> Table {
         for case in &claim.cases {
             let (name, label) = match case.label.as_str() {
                 "" => (claim.id.clone(), format!("`{}`", claim.id)),
-                label => (format!("{}/{label}", claim.id), format!("`{}`, {label}", claim.id)),
+                label => {
+                    (format!("{}/{label}", claim.id), format!("`{}`, {}", claim.id, arm_in_words(label)))
+                }
             };
             table.row_from((&name, &label), row(claim, Some(case)), case.sources.clone());
         }
@@ -101,21 +103,29 @@ pub fn count(judged: &[Judged]) -> String {
                 1 => " 1 of them is not meaningful, because robots fail their task.".to_owned(),
                 some => format!(" {some} of them are not meaningful, because robots fail their task."),
             };
-            format!(
-                "Of {all} claims {} pass, {} fail and {} are not established.{meaningless}",
-                count(Ruling::Pass),
-                count(Ruling::Fail),
-                count(Ruling::NotEstablished) + count(Ruling::NotMeaningful)
-            )
+            let open = count(Ruling::NotEstablished) + count(Ruling::NotMeaningful);
+            let words = [
+                verbal(count(Ruling::Pass), ["passes", "pass"]),
+                verbal(count(Ruling::Fail), ["fails", "fail"]),
+                verbal(open, ["is not established", "are not established"]),
+            ];
+            let plural = if all == 1 { "" } else { "s" };
+            format!("Of {all} claim{plural} {}.{meaningless}", listed(&words))
         }
     }
+}
+
+/// `1 passes`, `2 pass`.
+fn verbal(count: usize, [one, several]: [&str; 2]) -> String {
+    format!("{count} {}", if count == 1 { one } else { several })
 }
 
 /// Which claims are meaningless because robots fail their task, with these runs; `None` without such claims.
 pub fn meaningless(judged: &[Judged]) -> Option<String> {
     let claims: Vec<&Judged> = judged.iter().filter(|claim| claim.verdict == Ruling::NotMeaningful).collect();
-    let ids: Vec<String> = claims.iter().map(|claim| claim.id.clone()).collect();
-    let mut runs: Vec<String> = claims.iter().flat_map(|claim| claim.failing.iter().cloned()).collect();
+    let ids: Vec<String> = claims.iter().map(|claim| code(&claim.id)).collect();
+    let mut runs: Vec<String> =
+        claims.iter().flat_map(|claim| claim.failing.iter().map(|run| arm_in_words(run))).collect();
     runs.sort();
     runs.dedup();
     let (plural, verb) = if ids.len() == 1 { ("", "is") } else { ("s", "are") };
@@ -214,7 +224,7 @@ fn sentence(claim: &Judged, corrected: bool) -> String {
         text += &format!(
             " These runs fail their task, so their {} says nothing about the methods: {}.",
             metric_of(claim),
-            some(&claim.failing)
+            some(&claim.failing.iter().map(|run| arm_in_words(run)).collect::<Vec<_>>())
         );
     }
     if let Some(p) = claim.p_adjusted {
@@ -244,13 +254,13 @@ fn metric_of(claim: &Judged) -> &str {
     metric::find(name).map_or(name, |metric| metric.label)
 }
 
-/// Lists names, abbreviated if there are many.
+/// Lists names that may contain commas, abbreviated if there are many.
 fn some(names: &[String]) -> String {
     const NAMED: usize = 6;
-    let shown: Vec<String> = names.iter().take(NAMED).map(|name| code(name)).collect();
+    let shown = names[..names.len().min(NAMED)].join("; ");
     match names.len().saturating_sub(NAMED) {
-        0 => shown.join(", "),
-        more => format!("{} and {more} more", shown.join(", ")),
+        0 => shown,
+        more => format!("{shown} and {more} more"),
     }
 }
 

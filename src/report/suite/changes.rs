@@ -1,11 +1,11 @@
 //! What the points of a sweep change: the spec values in which an arm differs from the first one.
 
 use super::{Group, varying};
-use crate::escape::markdown::code;
 use crate::report::fields::differing;
 use crate::report::model::{Arm, ReportInput};
 use crate::report::table::setup::field;
 use crate::report::table::{Cell, Table};
+use crate::report::wording::arm_in_words;
 
 /// Most values listed per arm.
 const NAMED: usize = 8;
@@ -23,10 +23,12 @@ pub fn table(input: &ReportInput, groups: &[Group<'_>]) -> Table {
     if varying(input, groups).len() != 1 {
         return table;
     }
-    table.note =
-        format!("What each arm has other than {}, whose values stand in brackets:", code(groups[0].name));
+    table.note = format!(
+        "What each arm has other than {}, whose values stand in brackets:",
+        arm_in_words(groups[0].name)
+    );
     for (group, arm) in groups.iter().skip(1).zip(others) {
-        table.row("", &code(group.name), [Cell::Text(changes(first, arm))]);
+        table.row("", &arm_in_words(group.name), [Cell::Text(changes(first, arm))]);
     }
     table
 }

@@ -4,7 +4,6 @@
 use std::collections::BTreeMap;
 
 use super::Group;
-use crate::escape::markdown::code;
 use crate::kinds::evaluate::{Evaluation as Protocols, ParameterSets};
 use crate::outcome::{Episode, Evaluation};
 use crate::report::comparison::are_paired;
@@ -12,7 +11,7 @@ use crate::report::estimate::Estimate;
 use crate::report::model::Arm;
 use crate::report::source::Source;
 use crate::report::table::{Cell, Table};
-use crate::report::wording::significance;
+use crate::report::wording::{arm_in_words, significance};
 use crate::spec::typed::InSection;
 use crate::statistics::CONFIDENCE;
 use crate::statistics::difference::Pairs;
@@ -176,7 +175,7 @@ fn survivors(groups: &[Group<'_>], stage: &str) -> Table {
             Estimate::mean(&alive, "", 1, &name).into(),
             Estimate::maybe(deviation(&alive), "", 1).into(),
         ];
-        table.row_from((group.name, &code(group.name)), cells, sources(&tried, stage));
+        table.row_from((group.name, &arm_in_words(group.name)), cells, sources(&tried, stage));
     }
     table.sources = super::table::sources(groups, stage);
     table
@@ -241,7 +240,7 @@ fn pair(table: &mut Table, stage: &str, arms: [&Group<'_>; 2], runs: [(&Arm, &Ev
         Estimate::maybe(of_survivors.map(|(a, b)| a - b), "", 1).into(),
         Estimate::mean(&common, "", 1, &format!("{name}/{stage}/common")).into(),
     ];
-    let label = format!("{} minus {}, {seeds}", code(arms[0].name), code(arms[1].name));
+    let label = format!("{} minus {}, {seeds}", arm_in_words(arms[0].name), arm_in_words(arms[1].name));
     table.row_from((&name, &label), cells, sources(&runs, stage));
 }
 
@@ -264,7 +263,7 @@ fn causes(groups: &[Group<'_>], stage: &str, found: &[Found]) -> Table {
                 .map(|numbers| Cell::from(estimate(&numbers[at])));
             let name = format!("{}/{parameter}", group.name);
             table.row_from(
-                (&name, &format!("{}: {parameter}", code(group.name))),
+                (&name, &format!("{}: {parameter}", arm_in_words(group.name))),
                 cells,
                 sources(&tried, stage),
             );
@@ -281,7 +280,7 @@ fn estimate(ranged: &Ranged) -> Estimate {
 /// Caveats on an arm's failures.
 fn sentence(group: &Group<'_>, stage: &str, found: &Found) -> String {
     let [failed, tried] = sets(group, stage).counts();
-    let start = format!("{} in `{stage}`: {failed} of {tried} tries failed;", code(group.name));
+    let start = format!("{} in `{stage}`: {failed} of {tried} tries failed;", arm_in_words(group.name));
     let Some((sets, found)) = found else {
         return format!("{start} ten of either kind are needed to say why.");
     };

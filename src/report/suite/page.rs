@@ -5,11 +5,11 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 
 use super::{Group, changes, failures, groups, interval, table, varying};
-use crate::escape::markdown::code;
 use crate::plan::Training;
 use crate::report::model::ReportInput;
 use crate::report::table::{Table, endings, health};
 use crate::report::tasks;
+use crate::report::wording::arm_in_words;
 use crate::statistics::summary::mean;
 
 /// A suite in a template. Empty if the report is not on a suite.
@@ -148,7 +148,9 @@ fn survivors(groups: &[Group<'_>], stage: &str) -> Option<String> {
     Some(match ranked.len() {
         1 => format!("{most} in `{stage}`"),
         _ if least == most => format!("{most} in every arm in `{stage}`"),
-        _ => format!("from {least} ({}) to {most} ({}) in `{stage}`", code(worst), code(best)),
+        _ => {
+            format!("from {least} ({}) to {most} ({}) in `{stage}`", arm_in_words(worst), arm_in_words(best))
+        }
     })
 }
 
@@ -182,7 +184,7 @@ mod tests {
         );
         assert_eq!(
             survivors(&groups, "evaluate.box").unwrap(),
-            "from 25 % (`a`) to 75 % (`b`) in `evaluate.box`"
+            "from 25 % (a) to 75 % (b) in `evaluate.box`"
         );
         assert_eq!(survivors(&groups[..1], "evaluate.box").unwrap(), "25 % in `evaluate.box`");
         assert_eq!(survivors(&groups, "evaluate.none"), None);

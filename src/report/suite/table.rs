@@ -1,7 +1,6 @@
 //! The tables of a suite: one row per arm, each number summarising the arm's seeds.
 
 use super::{Group, tried};
-use crate::escape::markdown::code;
 use crate::kinds::task::Task;
 use crate::plan::Training;
 use crate::report::estimate::Estimate;
@@ -12,7 +11,7 @@ use crate::report::source::Source;
 use crate::report::table::conditions::circumstances;
 use crate::report::table::learning::late_episodes;
 use crate::report::table::{Cell, Table, setup};
-use crate::report::wording::count;
+use crate::report::wording::{arm_in_words, count, listed};
 use crate::spec::suite::Wanted;
 use crate::statistics::summary::interquartile_mean;
 
@@ -90,7 +89,7 @@ fn arms(id: &str, head: &str, lines: &[Cells], rows: &[(usize, &str)]) -> Option
     for (at, name) in rows {
         let cell =
             |cells: &Vec<Option<String>>| Cell::Text(cells[*at].clone().unwrap_or_else(|| "\u{2013}".into()));
-        table.row("", &format!("`{name}`"), lines.iter().map(|(_, cells)| cell(cells)));
+        table.row("", &arm_in_words(name), lines.iter().map(|(_, cells)| cell(cells)));
     }
     (!lines.is_empty()).then_some(table)
 }
@@ -140,7 +139,7 @@ pub fn learning(groups: &[Group<'_>], training: Training) -> Table {
             Estimate::mean(&cpu, "s", 0, &name("cpu")).into(),
         ];
         let of_arm = sources(std::slice::from_ref(group), training.stage());
-        table.row_from((group.name, &code(group.name)), cells, of_arm);
+        table.row_from((group.name, &arm_in_words(group.name)), cells, of_arm);
     }
     table.sources = sources(groups, training.stage());
     table
@@ -225,7 +224,7 @@ fn per_stage(
             let cells = metrics.iter().map(|metric| Cell::from(cell(group, stage, metric)));
             let cells = [Cell::Text(seeds.to_string())].into_iter().chain(cells);
             let of_arm = sources(std::slice::from_ref(group), stage);
-            table.row_from((group.name, &code(group.name)), cells, of_arm);
+            table.row_from((group.name, &arm_in_words(group.name)), cells, of_arm);
         }
         table.sources = sources(groups, stage);
         table.note = note(groups, stage);
@@ -252,7 +251,10 @@ fn note(groups: &[Group<'_>], stage: &str) -> String {
     }
     let sentence = |(words, arms): &(String, Vec<&str>)| match told.len() {
         1 => format!("Each policy {words}."),
-        _ => format!("{} each {words}.", arms.iter().map(|arm| code(arm)).collect::<Vec<_>>().join(", ")),
+        _ => {
+            let arms: Vec<String> = arms.iter().map(|arm| arm_in_words(arm)).collect();
+            format!("{}: each policy {words}.", listed(&arms))
+        }
     };
     told.iter().map(sentence).collect::<Vec<_>>().join(" ")
 }
@@ -302,14 +304,13 @@ mod tests {
         assert_eq!(
             tables,
             [
-                "arms_robot: robot, robot (`a`, `b`)",
-                "arms_std: std, exploration std (`x`, `y`)",
-                "arms: arm, training budget (`robot=a,std=x`, `robot=a,std=y`, `robot=b,std=x`, \
-                 `robot=b,std=y`)"
+                "arms_robot: robot, robot (a, b)",
+                "arms_std: std, exploration std (x, y)",
+                "arms: arm, training budget (a, std x, a, std y, b, std x, b, std y)"
             ]
         );
         let one: Vec<String> = differing(&groups[..2], &["std"]).iter().map(told).collect();
-        assert_eq!(one, ["arms: arm, exploration std (`robot=a,std=x`, `robot=a,std=y`)"]);
+        assert_eq!(one, ["arms: arm, exploration std (a, std x, a, std y)"]);
     }
 
     #[test]
@@ -330,7 +331,7 @@ mod tests {
         let groups: Vec<Group<'_>> = runs.iter().zip(names).map(group).collect();
         let tables = outcomes(&groups, &[]);
         let labels: Vec<&str> = tables[0].rows.iter().map(|row| row.label.as_str()).collect();
-        assert_eq!((tables.len(), labels), (1, vec!["`measured`", "`missing`"]));
+        assert_eq!((tables.len(), labels), (1, vec!["measured", "missing"]));
     }
 
     #[test]

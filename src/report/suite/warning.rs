@@ -7,7 +7,7 @@ use crate::report::model::ReportInput;
 use crate::report::table::health::shown;
 use crate::report::table::setup::{budget_samples, trained_samples};
 use crate::report::verdict::stands_still;
-use crate::report::wording::{count, number};
+use crate::report::wording::{arm_in_words, count, number};
 use crate::report::{crossing, tasks, untrained};
 
 /// Most runs that are listed by name.
@@ -37,7 +37,7 @@ fn failures(input: &ReportInput) -> Vec<String> {
             let failure = arm.failures.first()?;
             // The scheduler prefixes the stages of single runs with the run's name.
             let stage = failure.stage.strip_prefix(&format!("{}/", arm.name)).unwrap_or(&failure.stage);
-            Some(format!("{}: stage `{stage}` has no result: {}.", arm.name, failure.reason))
+            Some(format!("{}: stage `{stage}` has no result: {}.", arm_in_words(&arm.name), failure.reason))
         })
         .collect();
     let rest = failed.len().saturating_sub(NAMED);
@@ -59,7 +59,7 @@ fn explosions(group: &Group<'_>) -> Vec<String> {
                 "{}, `{stage}`: the physics left the realm of numbers in {exploded} of {all} episodes; their \
              speeds, forces and torques \
              mean nothing.",
-                group.name
+                arm_in_words(group.name)
             )
         });
     told.collect()
@@ -74,7 +74,7 @@ fn standing_still(group: &Group<'_>) -> Option<String> {
     (count > 0).then(|| {
         format!(
             "{}: {count} of {} policies survive by standing still; that is not the task.",
-            group.name,
+            arm_in_words(group.name),
             group.runs.len()
         )
     })
@@ -86,7 +86,7 @@ fn never_updated(group: &Group<'_>) -> Option<String> {
     let first = runs().next()?;
     Some(format!(
         "{}: {} of {} trainings never updated the actor (`W0508`), {}: the policy is {}.",
-        group.name,
+        arm_in_words(group.name),
         runs().count(),
         group.runs.len(),
         untrained::cause(first),

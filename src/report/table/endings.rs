@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 
 use super::{Cell, Table};
-use crate::escape::markdown::code;
 use crate::report::estimate::Estimate;
 use crate::report::model::{Arm, ReportInput, Update};
 use crate::report::source::Source;
 use crate::report::suite::Group;
-use crate::report::wording::{count, labels};
+use crate::report::wording::{arm_in_words, count, labels};
 
 /// Episodes by cause.
 type Counts<'a> = BTreeMap<&'a str, u64>;
@@ -47,7 +46,7 @@ pub fn of_groups(groups: &[Group<'_>]) -> Table {
     for (group, counts) in groups.iter().zip(&late).filter(|(_, counts)| counts.values().sum::<u64>() > 0) {
         let cells = causes.iter().map(|cause| Cell::from(share(counts, cause)));
         let episodes = Cell::Text(count(counts.values().sum()));
-        table.row("", &code(group.name), [episodes].into_iter().chain(cells));
+        table.row("", &arm_in_words(group.name), [episodes].into_iter().chain(cells));
     }
     table.sources = sources(groups.iter().flat_map(|group| group.runs.iter().copied()));
     table

@@ -14,14 +14,22 @@ use crate::report::verdict::judge;
 use crate::report::wording::{labels, with_interval};
 
 /// An evaluation with episodes and its arm.
-struct Column<'a> {
-    arm: &'a Arm,
-    measured: &'a Measured,
-    label: String,
+pub(super) struct Column<'a> {
+    pub arm: &'a Arm,
+    pub measured: &'a Measured,
+    /// `torque, rapier, n = 32`.
+    pub label: String,
+}
+
+impl Column<'_> {
+    /// The stage that it is from.
+    pub fn source(&self) -> Source {
+        Source { arm: self.arm.name.clone(), stage: self.measured.stage.clone() }
+    }
 }
 
 /// The evaluations with episodes, arm by arm.
-fn columns(input: &ReportInput) -> Vec<Column<'_>> {
+pub(super) fn columns(input: &ReportInput) -> Vec<Column<'_>> {
     let names = labels(&input.arms);
     let of_arm = |(arm, name): (&'_ Arm, &String)| -> Vec<(String, usize)> {
         let with_episodes =
@@ -57,9 +65,7 @@ fn table(id: &str, title: &str, columns: &[Column]) -> Table {
         title,
         [String::new()].into_iter().chain(columns.iter().map(|column| column.label.clone())),
     );
-    let source =
-        |column: &Column| Source { arm: column.arm.name.clone(), stage: column.measured.stage.clone() };
-    table.sources = columns.iter().map(source).collect();
+    table.sources = columns.iter().map(Column::source).collect();
     table.column_sources = (0..columns.len()).map(Some).collect();
     table
 }

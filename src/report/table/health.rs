@@ -1,12 +1,11 @@
 //! Findings of the run-time checks during training, with start and duration.
 
 use super::{Cell, Table};
-use crate::escape::markdown;
 use crate::learn::finding::{Finding, cure};
 use crate::report::model::{Arm, ReportInput};
 use crate::report::source::Source;
 use crate::report::suite::Group;
-use crate::report::wording::{count, labels};
+use crate::report::wording::{arm_in_words, count, labels};
 
 /// The table of findings, one row each; may be empty.
 pub fn health(input: &ReportInput) -> Table {
@@ -45,7 +44,7 @@ pub fn of_groups(groups: &[Group<'_>]) -> Table {
                 count(earliest),
                 cure(code).to_owned(),
             ];
-            table.row("", &markdown::code(group.name), cells.map(Cell::Text));
+            table.row("", &arm_in_words(group.name), cells.map(Cell::Text));
         }
     }
     table.sources = sources(groups.iter().flat_map(|group| group.runs.iter().copied()));

@@ -3,6 +3,7 @@
 pub mod conditions;
 pub mod endings;
 pub mod evaluation;
+pub mod glance;
 pub mod health;
 pub mod learning;
 pub mod provenance;

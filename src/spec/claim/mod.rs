@@ -97,6 +97,10 @@ pub const PARAMS: &[Param] = &[
         Ty::Table(&[
             Param::required("where", Ty::Text).doc("Where the paper says it."),
             Param::required("value", Ty::Text).doc("What it says, in few words."),
+            Param::optional("number", Ty::OneOf(&[Ty::Number, Ty::Text])).doc(
+                "The same as a number, in the metric's unit, to be drawn beside the measurement; of a claim \
+                    that compares two arms, their difference.",
+            ),
             Param::optional("weaker", Ty::Flag).doc(
                 "Whether this claim expects less than that, so that its PASS does not establish what \
                     the paper says.",
@@ -300,13 +304,16 @@ impl Summary {
 }
 
 /// What the reproduced paper reports.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Paper {
     /// Where in the paper.
     #[serde(rename = "where")]
     pub place: String,
     /// The reported result.
     pub value: String,
+    /// The same as a number in the metric's unit, comparable with the claim's estimate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub number: Option<Quantity>,
     /// Whether the claim expects less than that.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub weaker: bool,
@@ -371,7 +378,7 @@ impl Reading<'_> {
         let sides = self.sides();
         let expect = self.expectation(&sides);
         let margin = self.margin(expect.as_ref());
-        let [spread, effect] = ["spread", "effect"].map(|key| self.amount(key));
+        let [spread, effect, number] = ["spread", "effect", "paper.number"].map(|key| self.amount(key));
         let baseline = self.baseline(metric.as_ref());
         let over = self.over();
         let word = |key| self.fields.text_if(key).unwrap_or_default();
@@ -395,6 +402,7 @@ impl Reading<'_> {
             paper: self.fields.section("paper").map(|paper| Paper {
                 place: paper.text("where").to_owned(),
                 value: paper.text("value").to_owned(),
+                number,
                 weaker: paper.get("weaker").is_some() && paper.flag("weaker"),
             }),
             fields: self.fields.table().clone(),
@@ -610,7 +618,10 @@ impl Reading<'_> {
 
     /// A number in the metric's unit; above 0 unless it is an effect.
     fn amount(&mut self, key: &str) -> Option<Quantity> {
-        let value = self.fields.get(key)?;
+        let value = match key.split_once('.') {
+            Some((table, key)) => self.fields.section(table)?.get(key)?,
+            None => self.fields.get(key)?,
+        };
         let place = self.place(key);
         let quantity = match value {
             Value::Quantity(quantity) => quantity.clone(),
@@ -627,7 +638,7 @@ impl Reading<'_> {
             },
             _ => return None,
         };
-        if quantity.si <= 0.0 && key != "effect" {
+        if quantity.si <= 0.0 && matches!(key, "margin" | "spread") {
             let error = Diagnostic::error("E0204", format!("`{key}` is out of range: it must be above 0"));
             let help = match (key, quantity.si < 0.0) {
                 ("margin", true) => "write the distance without a sign: the relation says the direction",

@@ -8,7 +8,7 @@ use crate::report::plot::axis::written;
 use crate::report::plot::drawing::text_width;
 use crate::report::plot::{Anchor, Area, Axis, Drawing, Ink, Panel, Stroke};
 use crate::report::suite::judged;
-use crate::report::wording::shortened;
+use crate::report::wording::{arm_in_words, shortened};
 
 /// The figure's name.
 pub const ID: &str = "claims";
@@ -77,12 +77,13 @@ fn caption(claims: &[Judged], rows: usize) -> String {
         }
         false => "",
     };
+    let has_number =
+        claims.iter().any(|claim| claim.paper.as_ref().is_some_and(|paper| paper.number.is_some()));
+    let paper = if has_number { " Diamonds: what the paper reports." } else { "" };
     format!(
-        "Each comparison's estimate with its interval; shaded: where the claim expects all of it. Filled \
-         dots pass, crosses fail, rings are not established, before the \
-         correction for several claims; the last word on each claim stands in the table. {rows} comparisons \
-         of {} claims: {} pass, {} fail, {} are not established or not meaningful. n beside each row is that \
-         of runs or episodes.{over}",
+        "Estimates with their intervals; shaded: what the claim expects.{paper} Filled dots pass, crosses \
+         fail, rings are not established, before the correction for several claims. {rows} comparisons of {} \
+         claims: {} pass, {} fail, {} are not established or not meaningful. n counts runs or episodes.{over}",
         claims.len(),
         count(Ruling::Pass),
         count(Ruling::Fail),
@@ -138,7 +139,8 @@ fn axis_label(claim: &Judged, case: &Case) -> String {
 
 impl Row<'_> {
     fn label(&self) -> String {
-        let text = match (self.among, self.case.label.as_str()) {
+        let case = arm_in_words(&self.case.label);
+        let text = match (self.among, case.as_str()) {
             (Among::Alone, "") => self.claim.id.clone(),
             (Among::Alone, label) => format!("{}, {label}", self.claim.id),
             (Among::First | Among::Later, label) => label.to_owned(),
@@ -200,11 +202,18 @@ impl Row<'_> {
         self.claim.bounds.map(|bound| self.place(bound).map(|value| panel.place(value, 0.0)[0]))
     }
 
+    /// What the paper reports, on the axis; `None` if the claim does not say it as a number.
+    fn paper(&self) -> Option<f64> {
+        let number = self.claim.paper.as_ref()?.number.as_ref()?;
+        self.place(Some(number.si))
+    }
+
     /// The values that the axis must include.
     fn reach(&self) -> impl Iterator<Item = f64> {
         let Case { estimate, .. } = self.case;
         let [low, high] = self.claim.bounds;
-        let own = [estimate.value, estimate.low, estimate.high, low, high];
+        let paper = self.claim.paper.as_ref().and_then(|paper| Some(paper.number.as_ref()?.si));
+        let own = [estimate.value, estimate.low, estimate.high, low, high, paper];
         own.map(|value| self.place(value)).into_iter().flatten()
     }
 }
@@ -273,6 +282,9 @@ fn draw(drawing: &mut Drawing, panel: &Panel, row: &Row, y: f64) {
             drawing.line(&[[end, y - 4.0], [end, y + 4.0]], Stroke::solid(ink, 2.0));
         }
     }
+    if let Some(paper) = row.paper() {
+        diamond(drawing, [across(paper), y]);
+    }
     let Some(value) = row.place(row.case.estimate.value) else { return };
     let x = across(value);
     match row.ruling() {
@@ -285,4 +297,11 @@ fn draw(drawing: &mut Drawing, panel: &Panel, row: &Row, y: f64) {
         }
         Ruling::NotEstablished | Ruling::NotMeaningful => drawing.ring([x, y], 4.0, Stroke::solid(ink, 2.0)),
     }
+}
+
+/// The mark of the paper's value.
+fn diamond(drawing: &mut Drawing, [x, y]: [f64; 2]) {
+    const SIZE: f64 = 6.0;
+    let corners = [[x - SIZE, y], [x, y - SIZE], [x + SIZE, y], [x, y + SIZE], [x - SIZE, y]];
+    drawing.line(&corners, Stroke::solid(Ink::Reference, 2.0));
 }
