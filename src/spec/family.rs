@@ -10,7 +10,9 @@ use crate::syntax::{Files, Forms, Item, Map, Node, file, files, merge, parse};
 use super::Edition;
 use super::reach::{Place, Reach};
 use super::requires::{self, Required};
+use super::section::Report;
 use super::suggest::safe_name;
+use super::typed::InSection;
 
 /// Maximum length of a chain of parents.
 const MOST_GENERATIONS: usize = 32;
@@ -116,10 +118,18 @@ impl Family {
         self.members.last().map(|member| member.header.clone()).unwrap_or_default()
     }
 
-    /// The sections and profiles of all members, merged.
+    /// The sections and profiles of all members, merged; without what parents say of their own report.
     pub fn merged(&self, forms: &Forms) -> Map {
         let mut merged = Map::default();
-        self.members.iter().for_each(|member| merge(&mut merged, &member.body, forms));
+        let Some((own, parents)) = self.members.split_last() else { return merged };
+        parents.iter().for_each(|parent| merge(&mut merged, &parent.body, forms));
+        let report = merged.entries.get_mut(Report::SECTION).and_then(|entry| entry.node.table_mut());
+        if let Some(report) = report {
+            report
+                .entries
+                .retain(|key, _| ![Report::question.name, Report::reasons.name].contains(&key.as_str()));
+        }
+        merge(&mut merged, &own.body, forms);
         merged
     }
 }

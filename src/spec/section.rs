@@ -98,9 +98,10 @@ keys! {
         /// the report, those of a baseline too.
         deviations: Option<Vec<String>>,
         /// The question that the report answers, as a sentence; without it one is made of the task and the
-        /// arms.
+        /// arms. It is not inherited.
         question: Option<String>,
-        /// Why the result may differ from the paper's, a sentence each; printed below the answer.
+        /// Why the result may differ from the paper's, a sentence each; printed below the answer. They are
+        /// not inherited.
         reasons: Option<Vec<String>>,
     }
 }

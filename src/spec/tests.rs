@@ -153,6 +153,19 @@ fn a_spec_is_decoded_with_defaults_and_origins() {
 }
 
 #[test]
+fn the_question_of_a_parents_report_is_not_the_childs() {
+    let parent = format!("{WALKER}[report]\ntemplate = \"run.md.j2\"\nquestion = \"Does it walk?\"\n");
+    let child = "spec = 1\nextends = \"walker.toml\"\n";
+    let folder = Folder::new(&[("walker.toml", &parent), ("child.toml", child)]);
+    let question = |file: &str| {
+        let experiment = folder.sound(file, None, &[]);
+        experiment.section("report").expect("defaults").text_if("question").map(str::to_owned)
+    };
+    assert_eq!(question("walker.toml").as_deref(), Some("Does it walk?"));
+    assert_eq!(question("child.toml"), None);
+}
+
+#[test]
 fn precedence_is_default_parent_file_profile_set() {
     let child = "spec = 1\nextends = \"../walker.toml\"\n[action]\nstd = \"5 %\"\n";
     let folder = Folder::new(&[("walker.toml", WALKER), ("specs/child.toml", child)]);
