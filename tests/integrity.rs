@@ -7,7 +7,6 @@ use std::process::Output;
 
 use specforge::plan::StageKind;
 use specforge::report::claim::{Judged, Ruling, again, expectation, measured};
-use specforge::report::earlier::{NOTICE, unmarked};
 use specforge::report::model::StageRecord;
 use specforge::report::sidecar::{ArmRecord, Facts, Item, RULES, Sidecar};
 use specforge::report::{ReportFile, digests, listing};
@@ -108,7 +107,6 @@ fn reports_that_nobody_touched_are_whole_and_have_an_index() {
         "{}",
         told(&output)
     );
-    assert!(!told(&output).contains("cannot be verified"), "{}", told(&output));
     // Another layout of the same content is no change, and a file of somebody else is none of ours.
     let path = folder.path().join("studies/walk.json");
     let json: serde_json::Value =
@@ -123,11 +121,11 @@ fn reports_that_nobody_touched_are_whole_and_have_an_index() {
     assert_eq!(older.collect::<Vec<_>>(), expected);
     let differing = serde_json::json!([]);
     assert_eq!((&answer["whole"], &answer["differing"]), (&serde_json::json!(2), &differing));
-    assert_eq!((&answer["unverifiable"], &answer["runs"]), (&differing, &serde_json::json!(0)));
+    assert_eq!(answer["runs"], 0);
     let output = report(folder.path(), &["--index", SUITE]);
     assert!(output.status.success(), "{}", told(&output));
     let index = fs::read_to_string(folder.path().join("README.md")).expect("an index");
-    assert!(index.contains("[walk](studies/walk.md)") && !index.contains("Not verifiable"), "{index}");
+    assert!(index.contains("[walk](studies/walk.md)"), "{index}");
 }
 
 #[test]
@@ -153,15 +151,6 @@ fn every_edit_of_a_record_is_found() {
     ] {
         let folder = published();
         edited(&folder.path().join("studies/walk.json"), from, to);
-        let notice = ("studies/walk.md", "it does not say that it was judged by earlier rules");
-        let output = report(folder.path(), &["--check"]);
-        // A record that says that it is of earlier rules wants the notice on its page, too.
-        if case == "the rules" {
-            assert!(told(&output).contains(notice.1), "{}", told(&output));
-            let index = report(folder.path(), &["--index", SUITE]);
-            assert!(index.status.code() == Some(4) && told(&index).contains(CHANGED), "{}", told(&index));
-            continue;
-        }
         let lost = ("studies/walk.txt", "it is missing");
         let more = if case == "the digest of the page" { Some(lost) } else { None };
         let expected: Vec<_> = more.into_iter().chain([("studies/walk.json", CHANGED)]).collect();
@@ -305,6 +294,26 @@ fn a_verdict_that_its_values_do_not_give_is_found_whoever_sealed_it() {
             told(&output)
         );
         assert_eq!(report(folder.path(), &["--index", SUITE]).status.code(), Some(4), "{case}");
+    }
+}
+
+/// Verdicts by other rules cannot be compared with their values: the page is out of date, not edited.
+#[test]
+fn a_page_that_was_judged_by_other_rules_is_out_of_date() {
+    for rules in [RULES - 1, RULES + 1] {
+        let folder = published();
+        resealed(&folder.path().join("studies"), "walk", |record| {
+            record.rules = rules;
+            record.claims[0].p = Some(0.04);
+        });
+        let output = report(folder.path(), &["--check"]);
+        let text = told(&output);
+        assert_eq!(output.status.code(), Some(4), "{text}");
+        let reason = format!("studies/walk.json: its claims were judged by version {rules} of the rules");
+        let again = "render it again: `specforge report specs/walk.toml --profile desk --reports";
+        assert!(text.contains(&reason) && text.contains(again) && !text.contains("[R0013]"), "{text}");
+        let output = report(folder.path(), &["--index", SUITE]);
+        assert!(output.status.success(), "{}", told(&output));
     }
 }
 
@@ -537,10 +546,6 @@ fn pages_and_figures_that_were_edited_or_are_gone_are_found() {
     edited(&folder.path().join("studies/run/speed.svg"), "speed", "height");
     finds(folder.path(), "edited", &[("studies/walk.md", changed), ("studies/run/speed.svg", changed)]);
     let folder = published();
-    edited(&folder.path().join("studies/walk.md"), "\nIt walks", &format!("\n{NOTICE}\n\nIt walks"));
-    let reason = "it says that it was judged by earlier rules, and its record does not";
-    finds(folder.path(), "a false notice", &[("studies/walk.md", reason)]);
-    let folder = published();
     fs::remove_file(folder.path().join("studies/walk.md")).expect("it is there");
     fs::remove_file(folder.path().join("studies/run/speed.svg")).expect("it is there");
     finds(
@@ -553,111 +558,6 @@ fn pages_and_figures_that_were_edited_or_are_gone_are_found() {
     let missing =
         ["studies/walk.md", "studies/run.md", "studies/run/speed.svg"].map(|file| (file, "it is missing"));
     finds(folder.path(), "all pages gone", &missing);
-}
-
-/// The records of the repository's reports and runs that have no digest of themselves, by their path in `reports/`.
-fn unsealed() -> Vec<(String, String)> {
-    let reports = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports");
-    let files = listing::folders(&reports).into_iter().flat_map(|folder| listing::files(&folder, "json"));
-    let text = |path: &Path| fs::read_to_string(path).expect("a record");
-    let mut found: Vec<(String, String)> = files
-        .map(|path| (path.strip_prefix(&reports).expect("below").display().to_string(), text(&path)))
-        .filter(|(_, text)| {
-            let json: serde_json::Value = serde_json::from_str(text).expect("JSON");
-            json.get(seal::FIELD).is_none()
-        })
-        .collect();
-    found.sort();
-    found
-}
-
-/// Each record of the repository that has no digest of itself is on the list of those that may lack one, with the
-/// digests of its page and its figures.
-#[test]
-fn the_records_without_a_digest_are_those_that_are_listed() {
-    let reports = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports");
-    let mut list = String::from(
-        "# Records of before records had digests of themselves: the digest of the content of each, and below it those\n\
-         # of its page and its figures. `SPECFORGE_BLESS=1 cargo test --test integrity` writes this list again; no line\n\
-         # may be added to it.\n",
-    );
-    for (path, text) in unsealed() {
-        let digest = seal::of(&text).expect("an object");
-        list += &format!("{digest} {path}\n");
-        let Ok(record) = serde_json::from_str::<Sidecar>(&text) else { continue };
-        let folder = reports.join(&path).parent().expect("a folder").to_owned();
-        let figures = record.items.iter().map(|item| item.file.clone()).filter(|file| !file.is_empty());
-        let mut files: Vec<String> = figures.chain([format!("{}.md", record.report)]).collect();
-        files.sort();
-        files.dedup();
-        for file in files {
-            let text = fs::read_to_string(folder.join(&file)).expect("a file of the report");
-            for (file, digest) in digests::of(&[ReportFile { path: file.into(), text }]) {
-                list += &format!("  {digest} {file}\n");
-            }
-        }
-    }
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/seal/unsealed.txt");
-    if std::env::var_os("SPECFORGE_BLESS").is_some() {
-        fs::write(&path, &list).expect("it can be written");
-    }
-    let known = fs::read_to_string(&path).expect("the list");
-    let added: Vec<&str> = list.lines().filter(|line| !known.lines().any(|other| other == *line)).collect();
-    assert!(added.is_empty(), "not as they are listed: {added:#?}");
-}
-
-#[test]
-fn records_of_earlier_versions_are_accepted_and_counted_but_their_files_must_be_as_they_are_listed() {
-    let of_pages = |(path, _): &(String, String)| !path.contains("/runs/");
-    let Some((path, text)) = unsealed().into_iter().find(of_pages) else { return };
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports").join(&path);
-    let record: Sidecar = serde_json::from_str(&text).expect("a record");
-    let name = record.report.clone();
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = |file: &str| folder.path().join(file);
-    fs::create_dir(at(&name)).expect("it can be made");
-    let figures: Vec<String> =
-        record.items.iter().map(|item| item.file.clone()).filter(|file| !file.is_empty()).collect();
-    for file in figures.iter().chain([&format!("{name}.json")]) {
-        fs::copy(source.with_file_name(file), at(file)).expect("it can be copied");
-    }
-    let page = fs::read_to_string(source.with_extension("md")).expect("a page");
-    let page = unmarked(&page).unwrap_or(page);
-    let file = format!("{name}.md");
-    fs::write(at(&file), &page).expect("it can be written");
-    let output = report(folder.path(), &["--check"]);
-    let reason = "it does not say that it was judged by earlier rules";
-    assert!(output.status.code() == Some(4) && told(&output).contains(reason), "{}", told(&output));
-    let output = report(folder.path(), &["--index", SUITE]);
-    let open = format!(
-        "cannot be verified, because the record is of before records had a digest of themselves: {name} (1)"
-    );
-    assert!(output.status.success() && told(&output).contains(&open), "{}", told(&output));
-    let index = fs::read_to_string(at("README.md")).expect("an index");
-    assert!(
-        index.contains("## Not verifiable") && index.contains(&format!("[{name}]({name}.md).\n")),
-        "{index}"
-    );
-    let output = report(folder.path(), &["--check"]);
-    assert!(output.status.success() && told(&output).contains(&open), "{}", told(&output));
-    // An edited notice is one that is missing, and changes the page.
-    edited(&at(&file), "cannot be computed again", "can be computed again");
-    let output = report(folder.path(), &["--check"]);
-    assert!(output.status.code() == Some(4) && told(&output).contains(reason), "{}", told(&output));
-    // Its page and figures are known by their digests.
-    fs::write(at(&file), page.replacen(' ', "  ", 1)).expect("it can be written");
-    let text = told(&report(folder.path(), &["--check"]));
-    assert!(text.contains(&format!("{file}: it was changed after it was rendered")), "{text}");
-    fs::remove_file(at("README.md")).expect("it is there");
-    fs::remove_file(at(&file)).expect("it is there");
-    figures.iter().for_each(|file| fs::remove_file(at(file)).expect("it is there"));
-    let missing: Vec<(&str, &str)> =
-        figures.iter().chain([&file]).map(|file| (file.as_str(), "it is missing")).collect();
-    finds(folder.path(), "an earlier record alone", &missing);
-    // Edited it is none of the earlier ones.
-    edited(&at(&format!("{name}.json")), "PASS", "FAIL");
-    let text = told(&report(folder.path(), &["--check"]));
-    assert!(text.contains(&format!("{name}.json: {REMOVED}")), "{text}");
 }
 
 #[test]
@@ -677,34 +577,30 @@ fn records_of_runs_are_verified_as_those_of_reports() {
     };
     let (code, text) = check(&whole);
     assert!(code == Some(0) && text.contains("records of runs that are as they were written: 1"), "{text}");
-    let mut json: serde_json::Value = serde_json::from_str(&whole).expect("JSON");
-    json.as_object_mut().expect("an object").shift_remove(seal::FIELD);
-    // Of the present format and sealed.
-    json["format"] = 3.into();
-    json["seal"] = seal::of(&json.to_string()).expect("an object").into();
-    let sealed = json.to_string();
-    assert_eq!(check(&sealed).0, Some(0), "{}", check(&sealed).1);
+    let json: serde_json::Value = serde_json::from_str(&whole).expect("JSON");
     let run = json["run"].as_str().expect("a name").to_owned();
-    let changed = check(&sealed.replacen(&run, "another run", 1));
+    let changed = check(&whole.replacen(&run, "another run", 1));
     assert!(
         changed.0 == Some(4) && changed.1.contains(&format!("{name}: it was changed after it was written")),
         "{}",
         changed.1
     );
-    for format in [2, 3] {
+    let stripped = |format: u32| {
         let mut stripped = json.clone();
         stripped.as_object_mut().expect("an object").shift_remove(seal::FIELD);
         stripped["format"] = format.into();
-        stripped["run"] = "another run".into();
-        let (code, text) = check(&stripped.to_string());
-        assert!(code == Some(4) && text.contains(&format!("{name}: {REMOVED}")), "{text}");
+        stripped.to_string()
+    };
+    for (format, reason) in [(2, "its format is 2, this version reads 3"), (3, REMOVED)] {
+        let (code, text) = check(&stripped(format));
+        assert!(code == Some(4) && text.contains(&format!("{name}: {reason}")), "{text}");
         let mut import = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
         let store = folder.path().join("store");
         let import = import.arg("--store").arg(store).args(["cache", "import"]).arg(&runs).assert().code(4);
         let text = told(import.get_output());
-        assert!(text.contains(REMOVED), "{text}");
+        assert!(text.contains(reason), "{text}");
     }
-    let (code, text) = check(&sealed[..sealed.len() / 2]);
+    let (code, text) = check(&whole[..whole.len() / 2]);
     assert!(code == Some(4) && text.contains(&format!("runs/{name}: it is not JSON")), "{text}");
 }
 

@@ -441,7 +441,9 @@ fn a_record_that_was_changed_or_is_none_is_refused_and_named() {
     for (bytes, reason) in [
         ("{", "is not the record of a run"),
         (r#"{"format":1,"run":"a","stages":[]}"#, "its format is 1"),
-        (r#"{"format":2,"run":"a","stages":[{"manifest":{},"files":{},"digest":""}]}"#, "has no digest"),
+        (r#"{"format":2,"run":"a","stages":[]}"#, "its format is 2"),
+        (r#"{"format":3,"run":"a","stages":[]}"#, "missing field `file`"),
+        (r#"{"format":3,"run":"a","file":"a","stages":[]}"#, "has no digest"),
     ] {
         fs::write(&path, bytes).unwrap();
         let output = import();

@@ -6,13 +6,12 @@ use std::path::{Path, PathBuf};
 
 use super::specs::{self, Findings, Variant};
 use super::{Exit, Format, Global, output, overwrite, pages};
-use crate::bounded;
 use crate::check;
 use crate::report::index::{FILE, Index, Listed, Standing, mark};
 use crate::report::integrity::{self, Found};
+use crate::report::listing;
 use crate::report::paths::{self, Paths};
 use crate::report::sidecar::Sidecar;
-use crate::report::{earlier, listing};
 use crate::safe_fs;
 use crate::study::standing;
 
@@ -47,11 +46,6 @@ pub fn run(files: &[PathBuf], folder: &Path, global: &Global) -> Exit {
         output::complain(global, &message, Some("name a folder that can be written with `--reports DIR`"));
         return Exit::StageFailed;
     }
-    if let Err(error) = notify(&index, folder) {
-        let message = format!("a page of {} cannot be written: {error}", folder.display());
-        output::complain(global, &message, Some("name a folder that can be written with `--reports DIR`"));
-        return Exit::StageFailed;
-    }
     match global.format {
         Format::Json => {
             let earlier = index.standings.iter().filter(|(_, standing)| **standing != Standing::Current);
@@ -62,22 +56,6 @@ pub fn run(files: &[PathBuf], folder: &Path, global: &Global) -> Exit {
         _ => output::data(&path.display().to_string()),
     }
     Exit::Ok
-}
-
-/// Adds a notice to the pages that were judged by earlier rules.
-fn notify(index: &Index, folder: &Path) -> std::io::Result<()> {
-    for (name, _) in index.reports.iter().filter(|(_, report)| report.is_by_earlier_rules()) {
-        let file = format!("{name}.md");
-        let text = match bounded::text(&folder.join(&file), bounded::RECORD) {
-            Ok(text) => text,
-            Err(error) if error.is_absence() => continue,
-            Err(error) => return Err(error.into()),
-        };
-        if let Some(marked) = earlier::marked(&text) {
-            safe_fs::replace_inside(folder, &file, marked.as_bytes())?;
-        }
-    }
-    Ok(())
 }
 
 /// The suites in a folder and its subfolders, sorted.
@@ -155,16 +133,12 @@ fn page_of(suite: &Listed, reports: &BTreeMap<String, Sidecar>) -> String {
     }
 }
 
-/// The records of a folder. Prints which pages cannot be verified. Returns an error if any file was changed
-/// after it was published.
+/// The records of a folder. Returns an error if any file was changed after it was published.
 fn found(folder: &Path, global: &Global) -> Result<Found, Exit> {
     let found = integrity::verify(folder);
     if !found.faults.is_empty() {
         found.faults.iter().for_each(|fault| pages::tell(fault, folder, global));
         return Err(Exit::StageFailed);
-    }
-    if global.format != Format::Json {
-        output::note(global, &pages::unverifiable(&found).unwrap_or_default());
     }
     Ok(found)
 }

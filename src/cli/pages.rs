@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::json;
 
 use super::{Exit, Format, Global, output};
-use crate::report::integrity::{self, Fault, Found, Unverifiable};
+use crate::report::integrity::{self, Fault, Found};
 use crate::report::sidecar::Sidecar;
 use crate::study::out_of_date::{self, OutOfDate};
 
@@ -31,14 +31,10 @@ pub fn check(folder: &Path, global: &Global) -> Exit {
             document["code"] = CODE.into();
             document
         });
-        let unverifiable = found.unverifiable.iter();
-        let unverifiable =
-            unverifiable.map(|Unverifiable { report, reason }| json!({ "report": report, "reason": reason }));
         output::json(&json!({
             "whole": whole,
             "differing": faults.collect::<Vec<_>>(),
             "out_of_date": found.out_of_date.iter().chain(&earlier).map(document).collect::<Vec<_>>(),
-            "unverifiable": unverifiable.collect::<Vec<_>>(),
             "runs": found.runs,
         }));
     } else {
@@ -59,7 +55,6 @@ pub fn check(folder: &Path, global: &Global) -> Exit {
             global,
             &format!("reports unchanged since they were rendered: {whole}; changed: {differing}{older}"),
         );
-        output::note(global, &unverifiable(&found).unwrap_or_default());
         if found.runs > 0 {
             output::note(global, &format!("records of runs that are as they were written: {}", found.runs));
         }
@@ -86,18 +81,4 @@ fn document(fault: &Fault) -> serde_json::Value {
 pub fn tell(fault: &Fault, folder: &Path, global: &Global) {
     let message = format!("{}: {}", folder.join(&fault.file).display(), fault.reason);
     output::fault(global, Some(CODE), &message, Some(&fault.fix));
-}
-
-/// The reports that cannot be verified, grouped by reason; `None` if all can.
-pub fn unverifiable(found: &Found) -> Option<String> {
-    let mut reasons: Vec<&str> = found.unverifiable.iter().map(|unverifiable| unverifiable.reason).collect();
-    reasons.sort_unstable();
-    reasons.dedup();
-    let of = |reason: &str| {
-        let those = found.unverifiable.iter().filter(|unverifiable| unverifiable.reason == reason);
-        let names: Vec<&str> = those.map(|unverifiable| unverifiable.report.as_str()).collect();
-        format!("reports that cannot be verified, because {reason}: {} ({})", names.join(", "), names.len())
-    };
-    let lines: Vec<String> = reasons.into_iter().map(of).collect();
-    (!lines.is_empty()).then(|| lines.join("\n"))
 }

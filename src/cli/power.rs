@@ -21,7 +21,7 @@ pub fn run(study: &Study, global: &Global) -> Exit {
     };
     let path = Sidecar::path(&study.reports(), &suite.name);
     let record =
-        Sidecar::read_whole(&path).ok().filter(|record| !record.is_by_earlier_rules()).unwrap_or_default();
+        Sidecar::read_whole(&path).ok().filter(|record| !record.is_by_other_rules()).unwrap_or_default();
     if global.format == Format::Json {
         let observed = record.claims.iter().map(|judged| {
             serde_json::json!({ "id": judged.id, "verdict": judged.verdict,

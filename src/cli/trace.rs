@@ -152,11 +152,10 @@ fn appended(report: &Path) -> PathBuf {
     name.into()
 }
 
-/// A record with the digests of its page and figures.
+/// A record and its path.
 struct Read {
     path: PathBuf,
     record: Sidecar,
-    digests: Digests,
 }
 
 impl Read {
@@ -166,12 +165,12 @@ impl Read {
 
     /// Why a file does not match its record; `None` if it does.
     fn mismatch(&self, file: &str) -> Option<String> {
-        let Self { path, record, digests } = self;
+        let Self { path, record } = self;
         if path.file_stem().is_none_or(|name| name != record.report.as_str()) {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             return Some(format!("`{name}` is the record of another page, `{}`", record.report));
         }
-        let Some(digest) = digests.get(file) else {
+        let Some(digest) = record.digests.get(file) else {
             return Some("it does not match its record, which has no digest of it".to_owned());
         };
         let found = digests::differences(self.folder(), &Digests::from([(file.to_owned(), digest.clone())]));
@@ -183,9 +182,7 @@ impl Read {
 fn read(path: &Path) -> Result<Read, RecordError> {
     let beside = Path::new("reports").join(path);
     let path = if !path.is_file() && beside.is_file() { beside.as_path() } else { path };
-    let (record, seal) = Sidecar::open_whole(path)?;
-    let digests = record.digests_by(&seal);
-    Ok(Read { path: path.to_owned(), record, digests })
+    Ok(Read { path: path.to_owned(), record: Sidecar::read_whole(path)? })
 }
 
 fn known(sidecar: &Sidecar) -> String {

@@ -4,7 +4,6 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::earlier;
 use super::file::ReportFile;
 use crate::bounded;
 use crate::safe_fs;
@@ -45,10 +44,8 @@ fn difference(folder: &Path, file: &str, expected: &str) -> Option<Difference> {
     }
 }
 
-/// The digest of a file, ignoring the notice that `report --index` adds to pages judged by earlier rules.
 fn digest(bytes: &[u8]) -> String {
-    let rendered = std::str::from_utf8(bytes).ok().and_then(earlier::unmarked);
-    blake3::hash(rendered.as_deref().map_or(bytes, str::as_bytes)).to_hex().to_string()
+    blake3::hash(bytes).to_hex().to_string()
 }
 
 #[cfg(test)]
@@ -58,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_that_was_edited_or_removed_differs_and_a_notice_does_not() {
+    fn a_file_that_was_edited_or_removed_differs() {
         let folder = tempfile::tempdir().expect("a folder");
         let page = "# walk\n\nIt walks at 0.70 m/s.\n";
         let file = |path: &str, text: &str| ReportFile { path: path.into(), text: text.into() };
@@ -69,8 +66,6 @@ mod tests {
         files.iter().for_each(|file| write(&file.path.display().to_string(), &file.text));
         let digests = of(&files);
         let found = || differences(folder.path(), &digests);
-        assert_eq!(found(), []);
-        write("walk.md", &earlier::marked(page).expect("it has a title"));
         assert_eq!(found(), []);
         write("walk.md", &page.replace("0.70", "0.90"));
         fs::remove_file(folder.path().join("walk/a.svg")).expect("it is there");

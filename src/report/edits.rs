@@ -16,7 +16,7 @@ const ENDING: &str = ".edited";
 /// whose copy is there already, and one that `is_new` finds as it will be written, are not copied.
 pub fn keep(folder: &Path, name: &str, is_new: &dyn Fn(&str, &[u8]) -> bool) -> io::Result<Vec<PathBuf>> {
     let Ok((record, seal)) = Sidecar::open(&Sidecar::path(folder, name)) else { return Ok(Vec::new()) };
-    let mut edited: Vec<String> = digests::differences(folder, &record.digests_by(&seal))
+    let mut edited: Vec<String> = digests::differences(folder, &record.digests)
         .into_iter()
         .map(|difference| difference.file)
         .filter(|file| file.strip_prefix(name).is_some_and(|rest| rest.starts_with(['.', '/'])))

@@ -8,7 +8,6 @@ pub mod crossing;
 pub mod dead_reward;
 pub mod deviations;
 pub mod digests;
-pub mod earlier;
 pub mod edits;
 pub mod estimate;
 pub mod fields;

@@ -129,10 +129,10 @@ fn in_the_way(folder: &Path, name: &str, files: &[Copy]) -> Option<PathBuf> {
     let record = Sidecar::path(folder, name);
     let earlier = Sidecar::open(&record).ok();
     let listed: BTreeSet<String> = match &earlier {
-        Some((earlier, seal)) => {
+        Some((earlier, _)) => {
             let figures = earlier.items.iter().map(|item| item.file.clone());
             let page = format!("{name}.md");
-            figures.chain(earlier.digests_by(seal).into_keys()).chain([page]).collect()
+            figures.chain(earlier.digests.keys().cloned()).chain([page]).collect()
         }
         None => BTreeSet::new(),
     };

@@ -20,7 +20,6 @@ use super::tasks::{self, TaskRecord};
 use super::wording;
 use crate::bounded;
 use crate::plan::TUNED_ENV;
-use crate::seal::unsealed::Unsealed;
 use crate::seal::{self, Seal};
 
 /// Stages that only prepare; they are not results.
@@ -228,41 +227,22 @@ impl Sidecar {
 
     /// Reads a record, which must be unchanged.
     pub fn read_whole(path: &Path) -> Result<Self, RecordError> {
-        Self::open_whole(path).map(|(record, _)| record)
-    }
-
-    /// Does the same and returns the state of its digest: intact, or from before records had one.
-    pub fn open_whole(path: &Path) -> Result<(Self, Seal), RecordError> {
         match Self::open(path)? {
             (_, Seal::Broken) => Err(RecordError::Changed { path: path.to_owned() }),
             (_, Seal::Absent) => Err(RecordError::Unsealed { path: path.to_owned() }),
-            (record, seal @ (Seal::Whole | Seal::Earlier(_))) => Ok((record, seal)),
+            (record, Seal::Whole) => Ok(record),
         }
     }
 
     /// Reads a record and verifies its own digest.
     pub fn open(path: &Path) -> Result<(Self, Seal), RecordError> {
-        Self::open_by(path, Unsealed::known())
-    }
-
-    /// Does the same with a list of the records that may lack a digest.
-    pub fn open_by(path: &Path, unsealed: &Unsealed) -> Result<(Self, Seal), RecordError> {
         let path = path.to_owned();
         let text = match bounded::text(&path, bounded::RECORD) {
             Ok(text) => text,
             Err(error) => return Err(RecordError::Unreadable { path, source: error.into() }),
         };
         let record = serde_json::from_str(&text).map_err(|source| RecordError::Malformed { path, source })?;
-        Ok((record, seal::state(&text, unsealed)))
-    }
-
-    /// The digests of the page and its figures; for a record from before it had any, the known ones.
-    pub fn digests_by(&self, seal: &Seal) -> Digests {
-        let mut digests = self.digests.clone();
-        if let Seal::Earlier(earlier) = seal {
-            digests.extend(earlier.files.clone());
-        }
-        digests
+        Ok((record, seal::state(&text)))
     }
 
     /// The record, completed with the digest of its content.
@@ -311,9 +291,9 @@ impl Sidecar {
         }
     }
 
-    /// Whether its claims were judged by earlier rules, so that the verdicts cannot be recomputed from it.
-    pub fn is_by_earlier_rules(&self) -> bool {
-        self.rules < RULES && !self.claims.is_empty()
+    /// Whether its claims were judged by another version of the rules, so that this one may judge otherwise.
+    pub fn is_by_other_rules(&self) -> bool {
+        self.rules != RULES && !self.claims.is_empty()
     }
 
     /// Number of results in the report.

@@ -3,9 +3,7 @@
     python tests/reference/recompute_verdicts.py [FOLDER...]
 
 Without folders: `reports/` and `tests/golden/verdicts/`. Of each claim the values of the runs are compared with the table of all
-runs, then the p values, the comparisons, Holm's correction and the verdict are computed again. Pages whose records have no
-per-seed values are exempt; they are listed here, so that no new page can be one of them, and each says so in its first sentence.
-Needs numpy and scipy.
+runs, then the p values, the comparisons, Holm's correction and the verdict are computed again. Needs numpy and scipy.
 """
 
 import json
@@ -17,11 +15,6 @@ import numpy as np
 from scipy import optimize, special, stats
 
 RULES = 2
-# What an exempt page says at its top (src/report/earlier.rs).
-NOTICE = "This page was judged by earlier rules: its record has no per-seed values, so its verdicts cannot be computed again."
-# Judged by earlier rules. A page leaves this list when it is rendered again.
-EXEMPT = set("""
-""".split())
 
 FEW, SMALLEST_OF_FEW = 5, 0.002
 OF_RUNS = {"welch", "stratified_bootstrap", "mann_whitney", "probability_of_improvement"}
@@ -358,28 +351,14 @@ def twin_of(runs, run, points):
     return next(other for other in runs.values() if other["seed"] == run["seed"] and split(other["arm"]) == wanted)
 
 
-def notice(path):
-    """The first paragraph of a page below its title; nothing where the record has no page."""
-    page = path.with_suffix(".md")
-    paragraphs = page.read_text().split("\n\n") if page.is_file() else []
-    return paragraphs[1].strip() if len(paragraphs) > 1 else ""
-
-
 def page(path):
     record = json.loads(path.read_text())
     claims = record.get("claims", [])
     if not claims:
         return None
-    if record.get("rules", 0) < RULES:
-        if path.stem not in EXEMPT:
-            MISTAKES.append("its record has no per-seed values, and it is not one of the exempt pages")
-        if notice(path) != NOTICE:
-            MISTAKES.append(f"its page does not begin with the sentence: {NOTICE}")
-        return "exempt"
-    if path.stem in EXEMPT:
-        MISTAKES.append("its record has per-seed values: remove it from the exempt pages of this script")
-    if notice(path) == NOTICE:
-        MISTAKES.append("its record has per-seed values, and its page says that it has none: render it again")
+    if record["rules"] != RULES:
+        MISTAKES.append(f"it was judged by version {record['rules']} of the rules, not {RULES}: render it again")
+        return None
     runs = {run["run"]: run for run in record["runs"]}
     judged = []
     for claim in claims:
@@ -406,24 +385,19 @@ def page(path):
 def main():
     root = Path(__file__).resolve().parents[2]
     folders = [Path(argument) for argument in sys.argv[1:]] or [root / "reports", root / "tests/golden/verdicts"]
-    failed, exempt, count = False, [], 0
+    failed, count = False, 0
     # Below a folder of reports, a record of a page has the page beside it; records of single runs have none.
     below = (path for folder in folders for path in folder.glob("*/**/*.json") if path.with_suffix(".md").exists())
     for path in sorted([*(path for folder in folders for path in folder.glob("*.json")), *below]):
         MISTAKES.clear()
         outcome = page(path)
-        if outcome == "exempt":
-            exempt.append(path.stem)
-        elif outcome:
+        if outcome:
             count += 1
             print(f"{path.stem}: {outcome}")
         for mistake in MISTAKES:
             failed = True
             print(f"{path.stem}: {mistake}")
-    for name in sorted(EXEMPT - set(exempt)) if not sys.argv[1:] else []:
-        failed = True
-        print(f"{name}: one of the exempt pages, and no page was judged by earlier rules: remove it from them")
-    print(f"recomputed {count} pages; exempt, judged by earlier rules: {', '.join(exempt) or 'none'}")
+    print(f"recomputed {count} pages")
     sys.exit(1 if failed else 0)
 
 

@@ -25,9 +25,6 @@ pub use save::{Saved, save};
 /// Incremented when existing keys change their meaning.
 const FORMAT: u32 = 3;
 
-/// The last format without a digest of the record itself.
-const UNSEALED: u32 = 2;
-
 /// A finished run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -36,13 +33,11 @@ pub struct RunRecord {
     pub format: u32,
     /// The arm and its seed, as reports name the run.
     pub run: String,
-    /// The name of its file without `.json`; empty in records of earlier versions, whose file names end with
-    /// the run's name.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
+    /// The name of its file without `.json`.
     pub file: String,
     /// The trainings and evaluations in the order of the pipeline.
     pub stages: Vec<StageRecord>,
-    /// BLAKE3 of the record's canonical JSON without this field; empty in records of earlier versions.
+    /// BLAKE3 of the record's canonical JSON without this field; empty until it is sealed.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub seal: String,
 }

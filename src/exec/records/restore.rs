@@ -12,7 +12,6 @@ use crate::exec::manifest::{Depth, FileRecord, Manifest, Provenance};
 use crate::exec::store::Store;
 use crate::learn::beside::METRICS;
 use crate::plan::{Cached, Stage};
-use crate::seal::unsealed::Unsealed;
 use crate::{bounded, safe_fs};
 
 /// What was restored.
@@ -42,7 +41,7 @@ pub fn restore(store: &Store, folder: &Path, wait: &Wait) -> Result<Restored, Re
             continue;
         }
         // Check the whole record before restoring any of it.
-        let stages = read(&path, Unsealed::known()).and_then(|record| {
+        let stages = read(&path).and_then(|record| {
             record.stages.iter().map(|stage| whole(stage, folder)).collect::<Result<Vec<_>, _>>()
         });
         let stages = match stages {
@@ -122,7 +121,7 @@ fn whole(record: &StageRecord, folder: &Path) -> Result<WholeStage, String> {
 
 /// Checks that a file is an unchanged record of a run with its weights next to it. `None` if it is not a
 /// record of a run.
-pub fn verify(path: &Path, unsealed: &Unsealed) -> Option<Result<(), String>> {
+pub fn verify(path: &Path) -> Option<Result<(), String>> {
     let text = bounded::text(path, bounded::RECORD).ok()?;
     let json: serde_json::Value = serde_json::from_str(&text).ok()?;
     if !is_like_a_record(&json) {
@@ -130,7 +129,7 @@ pub fn verify(path: &Path, unsealed: &Unsealed) -> Option<Result<(), String>> {
     }
     let folder = safe_fs::folder_of(path);
     Some(
-        read(path, unsealed)
+        read(path)
             .and_then(|record| record.stages.iter().try_for_each(|stage| whole(stage, folder).map(drop))),
     )
 }

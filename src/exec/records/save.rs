@@ -13,7 +13,6 @@ use crate::exec::store::Store;
 use crate::learn::file as weight_file;
 use crate::plan::graph::ArmRecord;
 use crate::plan::{Cached, Plan, Stage, StageKind};
-use crate::seal::unsealed::Unsealed;
 use crate::seal::{self, Seal};
 use crate::{finite, safe_fs};
 
@@ -118,7 +117,7 @@ fn recorded<'a>(plan: &'a Plan, arm: &ArmRecord) -> Vec<&'a Stage> {
 fn is_record_of(path: &Path, stages: &[&Stage], weights: bool) -> bool {
     let Ok(text) = bounded::text(path, bounded::RECORD) else { return false };
     let Ok(record) = serde_json::from_str::<RunRecord>(&text) else { return false };
-    if record.format != FORMAT || seal::state(&text, Unsealed::known()) != Seal::Whole {
+    if record.format != FORMAT || seal::state(&text) != Seal::Whole {
         return false;
     }
     if names::flaw(&record, path).is_some() {

@@ -13,12 +13,8 @@ use crate::report::tasks::TaskRecord;
 /// Largest relative difference between two numbers that are computed in the same way.
 const TOLERANCE: f64 = 1e-9;
 
-/// One sentence for each claim that disagrees. Empty for a record judged by earlier rules, which has no
-/// values.
+/// One sentence for each claim that disagrees, by the rules of this version.
 pub fn disagreements(record: &Sidecar) -> Vec<String> {
-    if record.claims.is_empty() || record.is_by_earlier_rules() {
-        return Vec::new();
-    }
     let judged = match again(&record.claims) {
         Ok(judged) => judged,
         Err(reason) => return vec![reason],

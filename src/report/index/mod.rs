@@ -69,7 +69,7 @@ pub struct Index {
 enum State<'a> {
     /// It was judged.
     Judged(&'a Judged),
-    /// The report was rendered for another text, metric or expectation of the claim.
+    /// The report was rendered for another text, metric or expectation of the claim, or by other rules.
     Changed,
     /// The report is missing.
     NotRun,
@@ -90,11 +90,6 @@ of its page";
 
 /// Part of the introduction, if any claims are the paper's.
 const OF_PAPER: &str = "; the column beside it for that of all claims of the paper, by Holm's method";
-
-/// Part of the introduction, if any pages were judged by earlier rules.
-const EARLIER: &str = " Pages that were judged by earlier rules have no
-per-seed values, so their verdicts cannot be computed again: they are neither counted nor among the claims \
-that are corrected together.";
 
 /// Explains the numbers, if any claims are the paper's.
 const NUMBERS: &str = " Claims of the paper are those about its own setting; studies at smaller budgets are \
@@ -117,14 +112,6 @@ changed since, and the command makes them anew.
 |---|---|---|---|
 ";
 
-const UNVERIFIABLE: &str = "
-## Not verifiable
-
-The records of these pages were written before records had digests of themselves. They are as they were when specforge's list of
-such records was made; whether they were changed before that, nobody can say. A page leaves this list when it is rendered again.
-
-";
-
 impl Standing {
     /// The text in a cell of the table of pages.
     fn in_words(&self) -> String {
@@ -143,11 +130,9 @@ impl Index {
     /// The page.
     pub fn page(&self) -> String {
         let of_paper = self.names_paper();
-        let is_earlier = self.reports.values().any(Sidecar::is_by_earlier_rules);
         let mut page = HEAD.to_owned();
         page += if of_paper { OF_PAPER } else { "" };
         page += ".";
-        page += if is_earlier { EARLIER } else { "" };
         page += if of_paper { NUMBERS } else { "" };
         page += &format!("\n\n{}\n", self.counts());
         page += &self.meaningless();
@@ -155,14 +140,15 @@ impl Index {
         page += &self.claims(if of_paper { "## Claims of our own" } else { "## Claims" }, false);
         page += &self.pages();
         page += &self.absent();
-        page += &self.unverifiable();
         page
     }
 
     fn state(&self, suite: &Listed, claim: &Claim) -> State<'_> {
         let Some(report) = self.reports.get(&suite.page) else { return State::NotRun };
         match report.claims.iter().find(|judged| judged.id == claim.id) {
-            Some(judged) if claim::is_of(judged, claim) => State::Judged(judged),
+            Some(judged) if claim::is_of(judged, claim) && !report.is_by_other_rules() => {
+                State::Judged(judged)
+            }
             _ => State::Changed,
         }
     }
@@ -181,12 +167,8 @@ impl Index {
     /// `Of 12 claims of the paper 3 pass ...`.
     fn counts(&self) -> String {
         let sentence = |of_paper: bool, whose: &str| {
-            let (mut counts, mut total, mut weaker, mut meaningless, mut earlier) = ([0; 5], 0, [0; 2], 0, 0);
+            let (mut counts, mut total, mut weaker, mut meaningless) = ([0; 5], 0, [0; 2], 0);
             for (suite, claim) in self.chosen(of_paper) {
-                if self.is_by_earlier_rules(suite) {
-                    earlier += 1;
-                    continue;
-                }
                 total += 1;
                 let place = match self.state(suite, claim) {
                     State::Judged(judged) => match judged.verdict {
@@ -217,10 +199,6 @@ impl Index {
             } else {
                 String::new()
             };
-            let earlier = match earlier {
-                0 => String::new(),
-                some => format!(" {some} more, on pages that were judged by earlier rules, are not counted."),
-            };
             let less = match weaker {
                 [0, _] => String::new(),
                 [all, passed] => {
@@ -231,7 +209,7 @@ impl Index {
             };
             format!(
                 "Of {total} claims{whose} {pass} pass, {fail} fail, {open} are not \
-                 established{meaningless}{changed}, {absent} were not run.{less}{earlier}"
+                 established{meaningless}{changed}, {absent} were not run.{less}"
             )
         };
         match self.names_paper() {
@@ -274,20 +252,13 @@ impl Index {
     /// as p = 1.
     fn over_all(&self, of_paper: bool) -> Vec<String> {
         let judged = |(suite, claim): (&Listed, &Claim)| match self.state(suite, claim) {
-            State::Judged(judged) if !self.is_by_earlier_rules(suite) => Some(judged.clone()),
-            _ => None,
+            State::Judged(judged) => Some(judged),
+            State::Changed | State::NotRun => None,
         };
-        let judged: Vec<Option<Judged>> = self.chosen(of_paper).map(judged).collect();
-        let p = |judged: &Option<Judged>| judged.as_ref().and_then(|judged| judged.p).unwrap_or(1.0);
-        let is_counted: Vec<bool> =
-            self.chosen(of_paper).map(|(suite, _)| !self.is_by_earlier_rules(suite)).collect();
-        let counted = judged.iter().zip(&is_counted).filter(|(_, is_counted)| **is_counted);
-        let mut corrected = holm(&counted.map(|(judged, _)| p(judged)).collect::<Vec<_>>()).into_iter();
-        let adjusted: Vec<f64> = is_counted
-            .iter()
-            .map(|counted| if *counted { corrected.next().unwrap_or(1.0) } else { 1.0 })
-            .collect();
-        let verdict = |(judged, p): (&Option<Judged>, f64)| match judged {
+        let judged: Vec<Option<&Judged>> = self.chosen(of_paper).map(judged).collect();
+        let p = |judged: &Option<&Judged>| judged.and_then(|judged| judged.p).unwrap_or(1.0);
+        let adjusted = holm(&judged.iter().map(p).collect::<Vec<_>>());
+        let verdict = |(judged, p): (&Option<&Judged>, f64)| match judged {
             None => "\u{2013}".to_owned(),
             Some(judged) => match judged.verdict {
                 Ruling::Pass | Ruling::Fail if p > judged.alpha => {
@@ -300,11 +271,7 @@ impl Index {
         judged.iter().zip(adjusted).map(verdict).collect()
     }
 
-    fn is_by_earlier_rules(&self, suite: &Listed) -> bool {
-        self.reports.get(&suite.page).is_some_and(Sidecar::is_by_earlier_rules)
-    }
-
-    /// A caveat on a verdict: no policy of the suite does its task, or earlier rules judged it.
+    /// A caveat on a verdict: no policy of the suite does its task, or some are not judged.
     fn reservation(&self, suite: &Listed) -> String {
         let tasks = self.reports.get(&suite.page).map_or(&[][..], |report| &report.tasks);
         let none = !tasks.is_empty() && tasks.iter().all(TaskRecord::fails);
@@ -312,7 +279,6 @@ impl Index {
         let known = [
             none.then_some(" (no policy does its task)"),
             unjudged.then_some(" (not every policy is judged)"),
-            self.is_by_earlier_rules(suite).then_some(", by earlier rules"),
         ];
         known.into_iter().flatten().collect()
     }
@@ -356,16 +322,6 @@ impl Index {
             name the runs, spec values and commits behind a \
                  figure or a number.\n";
         text
-    }
-
-    /// The reports whose records lack their own digest.
-    fn unverifiable(&self) -> String {
-        let unsealed = self.reports.iter().filter(|(_, report)| report.seal.is_empty());
-        let links: Vec<String> = unsealed.map(|(name, _)| link_to(name)).collect();
-        match links.as_slice() {
-            [] => String::new(),
-            links => format!("{UNVERIFIABLE}{}.\n", links.join(", ")),
-        }
     }
 
     /// The suites without a report.
@@ -544,23 +500,12 @@ mod tests {
         // Three claims of the paper, two of them not run: 3 p.
         assert!(page(0.016, RULES).contains("| **PASS** | PASS (p = 0.048) |"));
         assert!(page(0.017, RULES).contains("| **PASS** | NOT ESTABLISHED (p = 0.051) |"));
-        let earlier = page(0.016, 1);
-        assert!(earlier.contains("| **PASS**, by earlier rules | \u{2013} |"));
-        assert!(earlier.contains("Of 1 claims of the paper 0 pass"), "{earlier}");
-        assert!(
-            earlier.contains("2 more, on pages that were judged by earlier rules, are not counted."),
-            "{earlier}"
-        );
-        // Claims judged by earlier rules are excluded from the correction.
-        let mut index = index();
-        let mut other = index.suites[0].clone();
-        (other.name, other.page) = ("old".into(), "old".into());
-        index.suites.push(other);
-        let mut report = index.reports["done"].clone();
-        report.rules = 1;
-        index.reports.insert("old".into(), report);
-        index.reports.get_mut("done").expect("a report").claims[0].p = Some(0.016);
-        assert!(index.page().contains("| **PASS** | PASS (p = 0.048) |"));
+        // Other rules may give another verdict.
+        for rules in [RULES - 1, RULES + 1] {
+            let other = page(0.016, rules);
+            assert!(other.contains("| \u{2013} | changed since, render again | \u{2013} |"), "{other}");
+            assert!(other.contains("Of 3 claims of the paper 0 pass"), "{other}");
+        }
     }
 
     #[test]

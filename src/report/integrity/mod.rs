@@ -1,6 +1,5 @@
 //! Verifies a folder of published reports: each record against its own digest, page, figures, name, place and
-//! verdicts; the index; and specforge files that no record lists. Files without a digest are reported
-//! separately from files that match theirs.
+//! verdicts; the index; and specforge files that no record lists.
 
 mod index;
 mod record;
@@ -17,7 +16,6 @@ use super::sidecar::{RecordError, Sidecar};
 use crate::bounded;
 use crate::escape::shell;
 use crate::exec::records;
-use crate::seal::unsealed::Unsealed;
 
 /// A file that was changed after publication.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,15 +28,6 @@ pub struct Fault {
     pub reason: String,
     /// How to fix it.
     pub fix: String,
-}
-
-/// A report that cannot be verified.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Unverifiable {
-    /// The path of its page in the folder of reports, without `.md`.
-    pub report: String,
-    /// What is missing.
-    pub reason: &'static str,
 }
 
 /// The result for a folder of reports.
@@ -57,13 +46,11 @@ pub struct Found {
     run_paths: BTreeMap<RunFile, String>,
     /// Files that were changed after publication.
     pub faults: Vec<Fault>,
-    /// Changes that the next `specforge report --index` makes: missing notices of earlier rules, and an index
-    /// that was edited.
+    /// An index that was edited, which the next `specforge report --index` writes again.
     pub unwritten: Vec<Fault>,
-    /// An unchanged index that was written before today's records.
+    /// Unchanged records that were judged by other rules than this version's, and an unchanged index that was
+    /// written before today's records.
     pub out_of_date: Vec<Fault>,
-    /// Reports without a fault that lack digests to verify.
-    pub unverifiable: Vec<Unverifiable>,
 }
 
 /// The file of a record of a run.
@@ -84,31 +71,23 @@ impl Found {
     /// The reports that match all their digests.
     pub fn whole(&self) -> Vec<&str> {
         let differing = self.differing();
-        let unverifiable: BTreeSet<&str> =
-            self.unverifiable.iter().map(|found| found.report.as_str()).collect();
-        let is_whole = |name: &&str| !differing.contains(name) && !unverifiable.contains(name);
-        self.records.keys().map(String::as_str).filter(is_whole).collect()
+        self.records.keys().map(String::as_str).filter(|name| !differing.contains(name)).collect()
     }
 }
 
 /// Verifies every record in a folder and its subfolders against its files. A missing folder has no records.
 pub fn verify(folder: &Path) -> Found {
-    verify_by(folder, Unsealed::known())
-}
-
-/// Does the same with a list of the records that may lack their own digest.
-pub fn verify_by(folder: &Path, unsealed: &Unsealed) -> Found {
     let mut found = Found::default();
     // The files listed by records, as paths from the folder of reports.
     let mut listed = BTreeSet::new();
     let folders = listing::folders(folder);
     for below in &folders {
-        let place = Place { folder, below, unsealed };
+        let place = Place { folder, below };
         let records = listing::files(below, "json");
         let has_pages = *below == folder || records.iter().any(|path| path.with_extension("md").is_file());
         for path in &records {
-            match Sidecar::open_by(path, unsealed) {
-                Ok((record, seal)) => place.record(record, &seal, path, &mut found, &mut listed),
+            match Sidecar::open(path) {
+                Ok((record, seal)) => place.record(record, seal, path, &mut found, &mut listed),
                 Err(error) => place.other(path, &error, has_pages, &mut found),
             }
         }
@@ -117,12 +96,10 @@ pub fn verify_by(folder: &Path, unsealed: &Unsealed) -> Found {
     }
     stray::copies(&mut found);
     for below in &folders {
-        let place = Place { folder, below, unsealed };
+        let place = Place { folder, below };
         place.unlisted_figures(&listed, &mut found);
         place.index(&mut found);
     }
-    let Found { faults, unverifiable, .. } = &mut found;
-    unverifiable.retain(|unverifiable| faults.iter().all(|fault| fault.report != unverifiable.report));
     found
 }
 
@@ -132,8 +109,6 @@ struct Place<'a> {
     folder: &'a Path,
     /// The folder itself or one of its subfolders.
     below: &'a Path,
-    /// The records that may lack a digest.
-    unsealed: &'a Unsealed,
 }
 
 impl Place<'_> {
@@ -156,7 +131,7 @@ impl Place<'_> {
 
     /// Handles a JSON file that is not a report's record: a run's, or another in a folder without pages.
     fn other(&self, path: &Path, error: &RecordError, has_pages: bool, found: &mut Found) {
-        match records::verify(path, self.unsealed) {
+        match records::verify(path) {
             Some(Ok(())) => self.run(path, found),
             Some(Err(reason)) => {
                 let fix = "restore it from version control, or write it again: delete it and \

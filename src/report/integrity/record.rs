@@ -3,11 +3,10 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use super::{Fault, Found, Place, Unverifiable, markdown, stem, without_record};
+use super::{Fault, Found, Place, stem, without_record};
 use crate::bounded;
 use crate::report::claim::disagreements;
-use crate::report::digests::{self, Digests};
-use crate::report::earlier;
+use crate::report::digests;
 use crate::report::paths::page_folder;
 use crate::report::render_command::{UNKNOWN, render_command};
 use crate::report::sidecar::{RULES, Sidecar};
@@ -18,7 +17,7 @@ impl Place<'_> {
     pub(super) fn record(
         &self,
         record: Sidecar,
-        seal: &Seal,
+        seal: Seal,
         path: &Path,
         found: &mut Found,
         listed: &mut BTreeSet<PathBuf>,
@@ -27,7 +26,7 @@ impl Place<'_> {
         let name = stem(path);
         let again = match seal {
             Seal::Broken | Seal::Absent => None,
-            Seal::Whole | Seal::Earlier(_) => render_command(&record, self.below),
+            Seal::Whole => render_command(&record, self.below),
         };
         let again = again.map_or_else(|| UNKNOWN.to_owned(), |command| format!("`{command}`"));
         let own = |reason: String| self.fault(&page, path, reason, without_record(&again));
@@ -35,11 +34,20 @@ impl Place<'_> {
             found.faults.push(own(format!("it is the record of another page, `{}`", record.report)));
         }
         found.faults.extend(self.misplaced(&record, seal, &page, path));
-        let digests = record.digests_by(seal);
         match seal {
             Seal::Whole => {
-                found.faults.extend(claims(&record).into_iter().map(own));
-                if !digests.contains_key(&format!("{}.md", record.report)) {
+                if record.is_by_other_rules() {
+                    let reason = format!(
+                        "its claims were judged by version {} of the rules, and this version of specforge \
+                         judges by version {RULES}",
+                        record.rules
+                    );
+                    let fix = format!("render it again: {again}");
+                    found.out_of_date.push(self.fault(&page, path, reason, fix));
+                } else {
+                    found.faults.extend(disagreements(&record).into_iter().map(own));
+                }
+                if !record.digests.contains_key(&format!("{}.md", record.report)) {
                     found.faults.push(own("it has no digest of its page".to_owned()));
                 }
             }
@@ -48,31 +56,26 @@ impl Place<'_> {
                 found.faults.push(own(reason.to_owned()));
             }
             Seal::Absent => found.faults.push(own(REMOVED.to_owned())),
-            Seal::Earlier(_) => {
-                let reason = "the record is of before records had a digest of themselves";
-                found.unverifiable.push(Unverifiable { report: self.seen(&page), reason });
-            }
         }
         let fix = format!("restore it from version control, or render it again: {again}");
-        for difference in digests::differences(self.below, &digests) {
+        for difference in digests::differences(self.below, &record.digests) {
             let file = self.below.join(&difference.file);
             found.faults.push(self.fault(&page, &file, difference.reason, fix.clone()));
         }
-        found.faults.extend(self.missing(&record, &digests, &page, &fix));
-        let figures = record.items.iter().map(|item| &item.file).chain(digests.keys());
+        found.faults.extend(self.missing(&record, &page, &fix));
+        let figures = record.items.iter().map(|item| &item.file).chain(record.digests.keys());
         listed.extend(figures.filter(|file| !file.is_empty()).map(|file| self.below.join(file)));
-        self.notice(&record, &page, &fix, found);
         found.contents.insert(self.seen(&page), content(path, &record));
         found.commands.insert(self.seen(&page), again);
         found.records.insert(self.seen(&page), record);
     }
 
     /// Files without a digest must exist nevertheless.
-    fn missing(&self, record: &Sidecar, digests: &Digests, page: &Path, fix: &str) -> Vec<Fault> {
+    fn missing(&self, record: &Sidecar, page: &Path, fix: &str) -> Vec<Fault> {
         let figures = record.items.iter().map(|item| item.file.clone()).filter(|file| !file.is_empty());
         let own = page.file_name().unwrap_or_default().to_string_lossy();
         let files: BTreeSet<String> = figures.chain([format!("{own}.md")]).collect();
-        let without_digest = files.into_iter().filter(|file| !digests.contains_key(file));
+        let without_digest = files.into_iter().filter(|file| !record.digests.contains_key(file));
         let absent = without_digest.map(|file| self.below.join(file)).filter(|file| !file.is_file());
         let reason = "it is missing, and its record is there";
         absent.map(|file| self.fault(page, &file, reason, fix.to_owned())).collect()
@@ -80,14 +83,14 @@ impl Place<'_> {
 
     /// A report belongs in the folder that corresponds to its spec below `specs/`, or, with `--reports`,
     /// directly in the folder of reports.
-    fn misplaced(&self, record: &Sidecar, seal: &Seal, page: &Path, path: &Path) -> Option<Fault> {
+    fn misplaced(&self, record: &Sidecar, seal: Seal, page: &Path, path: &Path) -> Option<Fault> {
         let home =
             record.specs.first().map(|spec| page_folder(spec)).filter(|home| !home.as_os_str().is_empty())?;
         let here = self.below.strip_prefix(self.folder).unwrap_or(Path::new(""));
         (!here.as_os_str().is_empty() && here != home).then(|| {
             let command = match seal {
                 Seal::Broken | Seal::Absent => None,
-                Seal::Whole | Seal::Earlier(_) => render_command(record, &self.folder.join(&home)),
+                Seal::Whole => render_command(record, &self.folder.join(&home)),
             };
             let again = command.map_or_else(|| UNKNOWN.to_owned(), |command| format!("`{command}`"));
             let home = home.display();
@@ -98,37 +101,6 @@ impl Place<'_> {
             );
             self.fault(page, path, reason, fix)
         })
-    }
-
-    /// Pages judged by earlier rules must have the notice, and no other page may have it.
-    fn notice(&self, record: &Sidecar, page: &Path, fix: &str, found: &mut Found) {
-        let file = markdown(page);
-        let Ok(text) = bounded::text(&file, bounded::RECORD) else { return };
-        match (record.is_by_earlier_rules(), text.lines().any(|line| line == earlier::NOTICE)) {
-            (true, false) => {
-                let reason = "it does not say that it was judged by earlier rules";
-                let fix = format!("`{}` writes that sentence below its title", self.index_command());
-                found.unwritten.push(self.fault(page, &file, reason, fix));
-            }
-            (false, true) => {
-                let reason = "it says that it was judged by earlier rules, and its record does not";
-                found.faults.push(self.fault(page, &file, reason, fix.to_owned()));
-            }
-            (true, true) | (false, false) => {}
-        }
-    }
-}
-
-/// What is wrong with the claims of an unchanged record.
-fn claims(record: &Sidecar) -> Vec<String> {
-    match record.rules > RULES {
-        true => {
-            let rules = record.rules;
-            vec![format!(
-                "it was judged by rules {rules}, and this version of specforge knows those up to {RULES}"
-            )]
-        }
-        false => disagreements(record),
     }
 }
 

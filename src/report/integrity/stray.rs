@@ -7,9 +7,9 @@ use super::{Fault, Found, Place, markdown, record_of, stem, without_record};
 use crate::bounded;
 use crate::escape::xml;
 use crate::report::index::FILE;
+use crate::report::listing;
 use crate::report::paths::page_folder;
 use crate::report::render_command::UNKNOWN;
-use crate::report::{earlier, listing};
 
 /// A sentence at the end of pages by the shipped templates.
 const RENDERED: &str = "Rendered by specforge ";
@@ -33,7 +33,7 @@ impl Place<'_> {
                 continue;
             }
             let text = bounded::text(&path, bounded::RECORD).unwrap_or_default();
-            let is_ours = [RENDERED, STAGES, earlier::NOTICE].iter().any(|mark| text.contains(mark));
+            let is_ours = [RENDERED, STAGES].iter().any(|mark| text.contains(mark));
             if is_ours || self.figures_of(&page).next().is_some() {
                 let reason = "it is the page of a report, and its record is missing";
                 found.faults.push(self.fault(&page, &path, reason, without_record(UNKNOWN)));
