@@ -1,6 +1,7 @@
 //! The index of all reports: every claim of every suite with the paper's number, the measured number and the
 //! verdict, from the records next to the reports. Independent of the store and of how suites are parsed.
 
+mod brief;
 pub mod mark;
 
 use std::collections::BTreeMap;
@@ -75,10 +76,15 @@ enum State<'a> {
     NotRun,
 }
 
-const HEAD: &str = "\
+const TITLE: &str = "\
 # Reports
 
-What was claimed and what became of it, suite by suite. `specforge report --index` writes this page from the \
+What was claimed and what became of it.
+
+";
+
+const HEAD: &str = "
+Suite by suite, each claim with its verdict. `specforge report --index` writes this page from the \
 records beside the
 reports and from the suites' files; what is changed here by hand is lost when it is written again.
 
@@ -130,7 +136,7 @@ impl Index {
     /// The page.
     pub fn page(&self) -> String {
         let of_paper = self.names_paper();
-        let mut page = HEAD.to_owned();
+        let mut page = TITLE.to_owned() + &self.brief() + HEAD;
         page += if of_paper { OF_PAPER } else { "" };
         page += ".";
         page += if of_paper { NUMBERS } else { "" };
