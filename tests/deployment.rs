@@ -434,8 +434,7 @@ fn the_contract_of_a_standing_policy_says_how_its_phase_moves() {
     let signals: Vec<&str> = contract.inputs.iter().map(|input| input.signal.as_str()).collect();
     assert!(signals.contains(&"phase_sin") && signals.contains(&"phase_cos"), "{signals:?}");
     // As a reader of the contract advances the phase: a / (period * control rate) per control step.
-    let period = contract.phase.period.expect("the policy reads the phase");
-    let step = 1.0 / (period * contract.rates.control);
+    let step = 1.0 / (contract.phase.period * contract.rates.control);
     let phase = evaluate(&policy, &Protocol::of(1), 1).trace.phase;
     let moved = phase.windows(2).map(|pair| (pair[1] - pair[0]).rem_euclid(1.0));
     assert!(
@@ -443,11 +442,6 @@ fn the_contract_of_a_standing_policy_says_how_its_phase_moves() {
         "{:?}",
         moved.take(3).collect::<Vec<_>>()
     );
-    // Files of before lack it, and are read.
-    let mut earlier = policy.clone();
-    earlier.contract.phase.period = None;
-    let earlier = Policy::from_bytes(&earlier.to_bytes()).expect("a policy of before is read");
-    assert_eq!(earlier.contract, policy.contract);
 }
 
 #[test]

@@ -95,7 +95,7 @@ fn every_claim_of_every_suite_stands_on_the_page_with_its_verdict_or_as_not_run(
         report: "paper_exp1".into(),
         summary: "A made-up record".into(),
         command: "specforge run specs/paper/paper_exp1.toml --profile desk".into(),
-        facts: Some(Facts { seeds: vec![1, 2, 3], scale: "5 %".into(), ..Facts::default() }),
+        facts: Facts { seeds: vec![1, 2, 3], scale: "5 %".into(), ..Facts::default() },
         claims: vec![judged],
         rules: RULES,
         ..Sidecar::default()

@@ -383,7 +383,7 @@ fn current(command: &str) -> Sidecar {
         other => panic!("the summary is not a text: {other:?}"),
     };
     let claims = suite.claims.iter().map(judged).collect();
-    Sidecar { summary, facts: Some(facts), claims, arms: arms.collect(), ..record }
+    Sidecar { summary, facts, claims, arms: arms.collect(), ..record }
 }
 
 #[test]

@@ -108,8 +108,8 @@ pub struct Filter {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Phase {
     /// Duration of a cycle in s at the nominal cadence: of the reference motion, or the default cycle of
-    /// tasks without one. `None` only in files of earlier versions, which left out the default of 2 s.
-    pub period: Option<f64>,
+    /// tasks without one.
+    pub period: f64,
     /// Whether the last output speeds the phase up.
     pub modulation: bool,
     /// Relative increase of the cadence at an output of 1; 1 if missing.
@@ -193,7 +193,7 @@ impl Contract {
             law,
             filter: Filter::new(section, measurement),
             phase: Phase {
-                period: Some(cycle(motion)),
+                period: cycle(motion),
                 modulation: action.phase_modulation(),
                 gain: phase_gain(&action, motion),
                 starts: starts(section),

@@ -6,7 +6,6 @@
 
 use super::contract::{Contract, Provenance, VERSION, robot_digest};
 use super::{fields, frames};
-use crate::env::blueprint::cycle;
 use crate::env::{Blueprint, BlueprintError};
 use crate::finite::{self, NotFinite};
 use crate::kinds::motion::Motion;
@@ -188,12 +187,8 @@ impl Policy {
         }
         let activation = Activation::named(activation)
             .ok_or_else(|| PolicyError::Format("its activation is unknown".into()))?;
-        let mut contract: Contract = serde_json::from_str(contract).map_err(|error| format(&error))?;
+        let contract: Contract = serde_json::from_str(contract).map_err(|error| format(&error))?;
         let blueprint = read_blueprint(blueprint, &samples)?;
-        if blueprint.motion.is_none() {
-            // Earlier versions left it out.
-            contract.phase.period.get_or_insert(cycle(None));
-        }
         let network = Network::take_from("actor", &tensors, activation).map_err(|error| format(&error))?;
         let policy = Self { network, contract, blueprint };
         policy.check()?;

@@ -40,40 +40,37 @@ pub struct Sidecar {
     /// Name of the report.
     pub report: String,
     /// Its subject, in one sentence.
-    #[serde(default)]
     pub summary: String,
-    /// How much was run; absent in records of earlier versions.
-    #[serde(default)]
-    pub facts: Option<Facts>,
+    /// How much was run.
+    pub facts: Facts,
     /// Version of specforge that rendered the report.
     pub tool_version: String,
     /// Its commit.
     pub commit: String,
     /// The command that reproduces it.
     pub command: String,
-    /// The paths in the project of the command's files; empty in records of earlier versions.
+    /// The paths in the project of the command's files.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub specs: Vec<String>,
     /// Figures and tables.
     pub items: Vec<Item>,
-    /// The version of the rules that the claims were judged by; 0 in records of earlier versions.
-    #[serde(default)]
+    /// The version of the rules that the claims were judged by.
     pub rules: u32,
-    /// The value of every metric in every run of a suite; empty in records of earlier versions.
+    /// The value of every metric in every run of a suite.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub runs: Vec<RunRecord>,
     /// The claims with their verdicts and numbers.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub claims: Vec<Judged>,
-    /// How well each arm's policies do their task; empty in records of earlier versions.
+    /// How well each arm's policies do their task.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub tasks: Vec<TaskRecord>,
     /// The arms with their stages and values.
     pub arms: Vec<ArmRecord>,
-    /// BLAKE3 digests of the page and its figures; empty in records of earlier versions.
+    /// BLAKE3 digests of the page and its figures.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub digests: Digests,
-    /// BLAKE3 digest of the canonical JSON of the rest of the record; empty in records of earlier versions.
+    /// BLAKE3 digest of the canonical JSON of the rest of the record; empty until it is sealed.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub seal: String,
 }
@@ -92,8 +89,7 @@ pub struct Facts {
     /// The budget of a run as a share of its baseline's: `5 %`, `5 to 10 %`; empty without training or
     /// baseline.
     pub scale: String,
-    /// The distinct budgets of the runs in samples, ascending; empty in records of earlier versions.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    /// The distinct budgets of the runs in samples, ascending.
     pub budgets: Vec<u64>,
 }
 
@@ -275,7 +271,7 @@ impl Sidecar {
         Self {
             report: input.name.clone(),
             summary: input.summary.clone(),
-            facts: Some(Facts::of(input)),
+            facts: Facts::of(input),
             tool_version: input.tool_version.clone(),
             commit: input.commit.clone(),
             command: wording::command(input, "run"),

@@ -87,13 +87,12 @@ fn summary(report: &Sidecar, study: &Study) -> Option<String> {
         Some(Value::Text(text)) => text.as_str(),
         _ => "",
     };
-    // Records of earlier versions have no summary.
-    (!report.summary.is_empty() && report.summary != present).then(|| "its summary changed".to_owned())
+    (report.summary != present).then(|| "its summary changed".to_owned())
 }
 
 /// The learning seeds of a suite.
 fn seeds(report: &Sidecar, study: &Study) -> Option<String> {
-    let (facts, suite) = (report.facts.as_ref()?, study.plan.suite.as_ref()?);
+    let (facts, suite) = (&report.facts, study.plan.suite.as_ref()?);
     let list = |seeds: &[u64]| match seeds {
         [] => "those of its specs".to_owned(),
         seeds => seeds.iter().map(u64::to_string).collect::<Vec<_>>().join(", "),
@@ -133,7 +132,7 @@ const SETTINGS: &str = "report.";
 
 /// The stages that the page was rendered from and that its command would make now.
 fn stages(report: &Sidecar, study: &Study) -> Option<String> {
-    let is_complete = report.facts.as_ref().is_none_or(|facts| facts.complete == facts.runs);
+    let is_complete = report.facts.complete == report.facts.runs;
     match standing::compared(report, &study.plan) {
         // The runs that were missing from the page are missing still, and the others are the same.
         Standing::Earlier { gone: 0, .. } if !is_complete => None,

@@ -15,7 +15,7 @@ use crate::report::index;
 use crate::report::sidecar::{ArmRecord, Sidecar};
 use crate::report::table::setup::budget_of;
 use crate::report::{fields, wording};
-use crate::spec::{Claim, Table};
+use crate::spec::Claim;
 
 /// The profile in the page name of a run without one.
 const NO_PROFILE: &str = "full";
@@ -149,12 +149,7 @@ fn difference(record: &Sidecar, study: &Study) -> Option<Taken> {
             sets => format!("is of `--set {}`", sets.join(" --set ")),
         });
     }
-    let (theirs, ours) = (budgets(record), budgets_of(plan));
-    let is_same = match theirs.is_empty() {
-        true => budget_texts(record) == texts_of(plan),
-        false => theirs == ours,
-    };
-    match is_same {
+    match record.facts.budgets == budgets_of(plan) {
         true => None,
         false => other(format!("is of another budget ({} samples)", budget_words(record))),
     }
@@ -213,45 +208,16 @@ fn has_same_values(record: &Sidecar, plan: &Plan) -> bool {
     record.arms.len() == plan.arms.len() && record.arms.iter().zip(&plan.arms).all(same)
 }
 
-fn budgets(record: &Sidecar) -> Vec<u64> {
-    record.facts.iter().flat_map(|facts| facts.budgets.iter().copied()).collect()
-}
-
 fn budgets_of(plan: &Plan) -> Vec<u64> {
     let budgets: BTreeSet<u64> =
         plan.arms.iter().filter_map(|arm| budget_of(&arm.fields.only(&["learn", "fine_tune"]))).collect();
     budgets.into_iter().collect()
 }
 
-/// The fields that determine the budget.
-const BUDGET: [&str; 3] = ["learn.samples", "learn.stop_at", "fine_tune.samples"];
-
-/// The budgets in a record of an earlier version, which has rounded values.
-fn budget_texts(record: &Sidecar) -> BTreeSet<Vec<String>> {
-    let of_arm = |arm| {
-        let fields = record.fields(arm);
-        let value = |path: &&str| Some(fields.get(&(*path).to_owned())?.value.clone());
-        BUDGET.iter().filter_map(value).collect()
-    };
-    record.arms.iter().map(of_arm).collect()
-}
-
-fn texts_of(plan: &Plan) -> BTreeSet<Vec<String>> {
-    let of_arm = |fields: &Table| {
-        let flat: Vec<_> = fields::flat(fields);
-        let value =
-            |path: &&str| flat.iter().find(|(own, _)| own == path).map(|(_, value)| wording::value(value));
-        BUDGET.iter().filter_map(value).collect()
-    };
-    plan.arms.iter().map(|arm| of_arm(&arm.fields.only(&["learn", "fine_tune"]))).collect()
-}
-
-/// `300 k`, or the text in a record of an earlier version.
+/// `300 k`; `no` for runs without training.
 fn budget_words(record: &Sidecar) -> String {
-    let counts: Vec<String> = budgets(record).into_iter().map(wording::count).collect();
-    let texts = || budget_texts(record).into_iter().map(|texts| texts.join(" and ")).collect();
-    let words: Vec<String> = if counts.is_empty() { texts() } else { counts };
-    words.join(", ")
+    let counts: Vec<String> = record.facts.budgets.iter().copied().map(wording::count).collect();
+    if counts.is_empty() { "no".to_owned() } else { counts.join(", ") }
 }
 
 /// Eight digits that identify a report's specs and options; the same for the same command. A number above 0

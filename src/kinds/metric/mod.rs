@@ -106,8 +106,7 @@ pub enum Sums {
 pub enum Source {
     /// Each episode of an evaluation or a transfer.
     Episodes(fn(&Episode) -> f64),
-    /// Each episode, but some may lack it: earlier versions did not measure it, or it does not apply to the
-    /// ground or the robot.
+    /// Each episode, but some may lack it: it does not apply to the ground or the robot.
     SomeEpisodes(fn(&Episode) -> Option<f64>),
     /// Each episode, given whether the policy meets the criteria of its task.
     Task,

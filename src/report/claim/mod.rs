@@ -220,13 +220,12 @@ pub struct Case {
     /// The alternative it belongs to, for a claim over an axis or a number of comparisons.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub alternative: String,
-    /// The values it was judged by; absent in records of earlier versions.
+    /// The values it was judged by.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub evidence: Option<Evidence>,
     /// Number of observations on each side, the left one first.
     pub n: Vec<usize>,
-    /// Number of observations in the smallest stratum; 0 in records of earlier versions.
-    #[serde(default)]
+    /// Number of observations in the smallest stratum.
     pub fewest: usize,
     /// The value of each side.
     pub sides: Vec<Option<f64>>,

@@ -300,7 +300,7 @@ impl Index {
 
     /// Scale factor and seeds of a suite's report.
     fn scale(&self, suite: &Listed) -> [String; 2] {
-        match self.reports.get(&suite.page).and_then(|report| report.facts.as_ref()) {
+        match self.reports.get(&suite.page).map(|report| &report.facts) {
             Some(facts) => [facts.scale.clone(), facts.seeds.len().max(1).to_string()],
             None => ["\u{2013}".to_owned(), "\u{2013}".to_owned()],
         }
@@ -370,7 +370,7 @@ fn profile_of(report: &Sidecar) -> Option<&str> {
     report.command.split_once(" --profile ").and_then(|(_, rest)| rest.split_whitespace().next())
 }
 
-/// The subject of a report; records of earlier versions only name its arms.
+/// The subject of a report; its arms if its spec has no summary.
 fn about(report: &Sidecar) -> String {
     let arms = || report.arms.iter().map(|arm| arm.name.as_str()).collect::<Vec<_>>().join(", ");
     if report.summary.is_empty() { arms() } else { report.summary.clone() }
@@ -430,7 +430,7 @@ mod tests {
             ..Judged::default()
         };
         let facts = Facts { seeds: vec![1, 2, 3], scale: "5 %".into(), ..Facts::default() };
-        let report = Sidecar { claims: vec![judged], facts: Some(facts), rules: RULES, ..Sidecar::default() };
+        let report = Sidecar { claims: vec![judged], facts, rules: RULES, ..Sidecar::default() };
         Index {
             suites: vec![
                 suite("done", vec![claim("first", true), claim("second", true)]),
