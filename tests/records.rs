@@ -409,7 +409,7 @@ fn a_record_with_other_numbers_or_without_a_part_is_refused_and_restores_nothing
         (longer, "are not as they were written"),
         (without_evaluation, "`evaluation.json` is missing"),
         (without_curve, "`metrics.jsonl` is missing"),
-        (more, "`other.json` is no file of the stage"),
+        (more, "`other.json` is not a file of the stage"),
     ] {
         let import = |text: &str, reason: &str| {
             fs::write(&path, text).unwrap();

@@ -359,7 +359,7 @@ fn summarise(outcome: &Outcome, study: &Study, wall_s: f64, global: &Global) {
     let counts = counts.collect::<Vec<_>>().join(", ");
     output::note(global, &format!("{}: {counts}, in {}", study.name, span(wall_s)));
     if outcome.interrupted {
-        output::note(global, "interrupted; run the same command again to go on from the checkpoints");
+        output::note(global, "interrupted; run the same command again to resume from the checkpoints");
     }
 }
 

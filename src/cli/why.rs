@@ -140,7 +140,7 @@ impl Answer {
 
     fn text(&self, verbose: bool) -> String {
         let checkpoint = self.checkpoint.map(|[done, of]| {
-            one_line(&format!("It would go on from its checkpoint, at about {done} of {of} samples"))
+            one_line(&format!("It would resume from its checkpoint, at about {done} of {of} samples"))
         });
         let crashes = self.crashes.iter().map(|crash| {
             one_line(&format!("An attempt at it ended its process on {}: {}", crash.time, crash.message))
@@ -155,7 +155,7 @@ impl Answer {
             State::Cached => one_line(&format!("{label} would not run: its artefact was made{made}")),
             State::Changed => {
                 one_line(&format!(
-                    "{label} would run: what it depends on changed since its artefact was made{made}"
+                    "{label} would run: its inputs changed since its artefact was made{made}"
                 )) + &some(&self.status.changes, verbose)
             }
             State::Missing => {

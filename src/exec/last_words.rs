@@ -20,7 +20,7 @@ pub const CODE: &str = "R0010";
 const NAME: &str = "failure.json";
 
 /// How to fix it.
-pub const HELP: &str = "finished stages are in the store; run again to go on from the checkpoints, with \
+pub const HELP: &str = "finished stages are in the store; run again to resume from the checkpoints, with \
     fewer `--jobs` or environments if memory ran out";
 
 /// Handles crashes of a run; `store` is the folder of its store, if it has one.

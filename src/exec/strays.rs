@@ -40,7 +40,7 @@ pub(super) fn false_result(manifest: &Manifest, folder: &Path) -> Option<String>
     unlisted(manifest, folder).into_iter().find(|path| is_result(path))
 }
 
-/// The files that the manifest does not list. What cannot be listed is no result either: no stage reads
+/// The files that the manifest does not list. What cannot be listed is not a result either: no stage reads
 /// folders.
 fn unlisted(manifest: &Manifest, folder: &Path) -> Vec<String> {
     let mut found = Vec::new();

@@ -1,4 +1,4 @@
-//! Checks an artefact: its manifest and the files in its folder must agree. Files that are no results may lie
+//! Checks an artefact: its manifest and the files in its folder must agree. Files that are not results may lie
 //! beside them.
 
 use std::path::Path;

@@ -10,7 +10,7 @@ use crate::kinds::learn::Ppo;
 use crate::kinds::learn::ppo::in_whole_updates;
 use crate::spec::Section;
 
-/// A line for each budget that is no whole number of updates: `learner: 3000000 samples take 3006464, 367 whole
+/// A line for each budget that is not a whole number of updates: `learner: 3000000 samples take 3006464, 367 whole
 /// updates of 8192`.
 pub fn text(plan: &Plan) -> String {
     let mut found: BTreeMap<(StageKind, u64, u64), usize> = BTreeMap::new();

@@ -21,16 +21,15 @@ pub fn warnings(runs: &[&Arm]) -> Vec<String> {
     };
     let crossing = (!crossing.is_empty()).then(|| {
         format!(
-            "Links are inside each other for up to {} % of the time{}: the engines let them, no robot can.",
+            "Links collide with each other for up to {} % of the time{}: the engines allow it, a robot cannot do it.",
             number(100.0 * worst),
             of_all(crossing.len())
         )
     });
     let unseen = (unseen > 0).then(|| {
         format!(
-            "Nobody looked whether links are inside each other{}: neither did it end an episode nor was it \
-             measured, and the \
-             engines let legs pass through each other.",
+            "Self-collisions were not measured{}: none ended an episode, and the engines let legs pass \
+             through each other.",
             of_all(unseen)
         )
     });
@@ -143,12 +142,12 @@ mod tests {
         let quiet = [run("run", true, None), run("walk", false, Some(0.005)), run("squat", false, None)];
         assert_eq!(warnings(&quiet.iter().collect::<Vec<_>>()), Vec::<String>::new());
         let unseen = run("walk", false, None);
-        assert!(warnings(&[&unseen])[0].starts_with("Nobody looked whether links are inside each other: "));
+        assert!(warnings(&[&unseen])[0].starts_with("Self-collisions were not measured: "));
         let crossed = run("run", false, Some(0.25));
         let told = warnings(&[&crossed, &unseen, &quiet[0]]);
         assert_eq!(told.len(), 2);
         assert!(
-            told[0].starts_with("Links are inside each other for up to 25 % of the time (in 1 of 3 runs)"),
+            told[0].starts_with("Links collide with each other for up to 25 % of the time (in 1 of 3 runs)"),
             "{told:?}"
         );
         assert!(told[1].contains("(in 1 of 3 runs)"), "{told:?}");

@@ -441,7 +441,7 @@ mod tests {
         assert!(error.is_absence() && error.to_string().contains("page.json"), "{error}");
         for broken in [&b"{"[..], b"{}", b"\xff"] {
             std::fs::write(&path, broken).expect("it can be written");
-            let error = Sidecar::read(&path).expect_err("it is no record");
+            let error = Sidecar::read(&path).expect_err("it is not a record");
             assert!(!error.is_absence() && error.to_string().contains("page.json"), "{error}");
         }
         std::fs::write(&path, Sidecar::default().to_json()).expect("it can be written");

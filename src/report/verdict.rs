@@ -96,7 +96,7 @@ pub fn judge(arm: &Arm, evaluation: &Evaluation) -> Verdict {
         criteria.push(at_least(evaluation, "speed", SPEED_SHARE * speed, &text));
     }
     let inside = estimate(evaluation, "self_collision");
-    let text = "has links inside each other at most 1 % of the time".to_owned();
+    let text = "is in self-collision at most 1 % of the time".to_owned();
     match inside.value {
         Some(share) if share > INSIDE || !is_blind(arm) => {
             criteria.push(Criterion { text, measured: inside, holds: share <= INSIDE, unmeasured: None });
@@ -225,7 +225,7 @@ mod tests {
             let verdict =
                 judge(arm, &evaluation(Episode { survived: true, self_collision, ..Episode::default() }));
             let criterion =
-                verdict.criteria.iter().find(|criterion| criterion.text.contains("inside each other"));
+                verdict.criteria.iter().find(|criterion| criterion.text.contains("self-collision"));
             (criterion.map(Criterion::met), verdict.holds)
         };
         assert_eq!(met(&sighted, Some(0.0)), (Some("yes".to_owned()), true));

@@ -185,7 +185,7 @@ keys! {
     pub struct RobotFile {
         /// The robot's name, that of its file.
         name: String,
-        /// One line on what it is.
+        /// A description of one line.
         summary: Option<String>,
         /// Where the figures come from.
         source: Option<String>,

@@ -66,7 +66,7 @@ pub fn violation(param: &Param, value: &Value) -> Option<String> {
         }
         Value::Count(count) => number(*count as f64),
         Value::Sampler(sampler) => match flaw(sampler) {
-            Some(_) => Some("is no distribution".to_owned()),
+            Some(_) => Some("is not a distribution".to_owned()),
             None => {
                 let bounds = reach(sampler);
                 let broken = bounds.into_iter().find_map(number);

@@ -245,7 +245,7 @@ fn trouble(
         {
             let count = over.count().unwrap_or_default();
             let message = format!(
-                "the claim names {} comparisons, and {} of them is no choice",
+                "the claim names {} comparisons, and {} of them is not a choice",
                 cases.len(),
                 over.in_words()
             );

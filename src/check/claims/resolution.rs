@@ -103,7 +103,7 @@ fn distance(claim: &Claim, metric: &MetricKind, smallest: &Smallest, sink: &mut 
         let plain = without.written();
         let text = small.text.trim_start_matches('-');
         let message = match claim.expect.relation {
-            Relation::Equal => format!("`{}` cannot be established: {text} is no tolerance", claim.id),
+            Relation::Equal => format!("`{}` cannot be established: {text} is not a tolerance", claim.id),
             _ => format!(
                 "`{}` decides what `{plain}` decides: {text} is not a meaningful difference",
                 claim.id

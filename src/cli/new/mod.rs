@@ -106,14 +106,14 @@ fn write(options: &Options, global: &Global) -> Result<String, Refusal> {
         Some(name) if file.extension().is_some_and(|ending| ending == "toml") => name.to_owned(),
         _ => {
             return refuse(
-                format!("`{}` is no name of a spec", escape::file(file)),
+                format!("`{}` is not a name of a spec", escape::file(file)),
                 "name a file that ends in `.toml`",
             );
         }
     };
     if !name.chars().all(|letter| letter.is_ascii_alphanumeric() || matches!(letter, '_' | '-')) {
         return refuse(
-            format!("`{}` is no name of a spec", escape::file(Path::new(&name))),
+            format!("`{}` is not a name of a spec", escape::file(Path::new(&name))),
             "use letters, digits, `_` and `-`",
         );
     }

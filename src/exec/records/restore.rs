@@ -114,7 +114,7 @@ fn whole(record: &StageRecord, folder: &Path) -> Result<WholeStage, String> {
         return Err(wrong(format!("`{}` is missing", file.path)));
     }
     match files.keys().find(|name| originals.iter().all(|file| file.path != **name)) {
-        Some(name) => Err(wrong(format!("`{name}` is no file of the stage"))),
+        Some(name) => Err(wrong(format!("`{name}` is not a file of the stage"))),
         None => Ok(WholeStage { stage, provenance, originals, files }),
     }
 }

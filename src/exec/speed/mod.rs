@@ -128,7 +128,7 @@ pub enum SpeedError {
     #[error("a gradient is not a number: the learning rate or the rewards are too large")]
     Gradient,
     /// A reward was NaN or infinite.
-    #[error("environment {} had a reward that is no number in step {} of episode \
+    #[error("environment {} had a reward that is not a number in step {} of episode \
         {}", .0.environment, .0.step, .0.episode)]
     Reward(NotANumber),
 }

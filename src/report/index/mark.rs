@@ -9,7 +9,7 @@ const BEGIN: &str = "<!-- Written by `specforge report --index`";
 /// Sentences that identify an index without its last line.
 const SENTENCES: [&str; 3] = [
     "What was claimed and what became of it, suite by suite.",
-    "what is changed here by hand is lost when it is written again",
+    "edits by hand are lost when it is written again",
     "The runs of a page are *today's* when",
 ];
 

@@ -86,7 +86,7 @@ What was claimed and what became of it.
 const HEAD: &str = "
 Suite by suite, each claim with its verdict. `specforge report --index` writes this page from the \
 records beside the
-reports and from the suites' files; what is changed here by hand is lost when it is written again.
+reports and from the suites' files; edits by hand are lost then.
 
 PASS: what the claim expects is established. FAIL: the opposite is established. NOT ESTABLISHED: neither is, \
 or a run is missing.

@@ -24,7 +24,7 @@ pub fn table(input: &ReportInput, groups: &[Group<'_>]) -> Table {
         return table;
     }
     table.note = format!(
-        "What each arm has other than {}, whose values stand in brackets:",
+        "What each arm has other than {}, with that arm's values in brackets:",
         arm_in_words(groups[0].name)
     );
     for (group, arm) in groups.iter().skip(1).zip(others) {

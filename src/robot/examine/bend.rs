@@ -10,7 +10,7 @@ use crate::robot::model::Robot;
 
 /// Largest distance in m and sine of an angle between images of each other, as for mirror images (E0405).
 const ALIKE: f64 = 2e-3;
-/// Smallest bend in rad that is told.
+/// Smallest bend in rad that is reported.
 const LEAST: f64 = 0.01;
 
 /// A joint of one leg that is bent at zero against its image.

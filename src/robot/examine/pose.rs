@@ -194,7 +194,7 @@ fn overlaps(robot: &Robot) -> Examined {
     let others: Vec<Pair> = others.into_iter().filter(|pair| !is_near(robot, *pair)).collect();
     let outlier = |pair: &Pair| {
         let [first, second] = SelfCollision::names(robot, *pair);
-        let message = format!("`{first}` and `{second}` are inside each other in the default pose");
+        let message = format!("`{first}` and `{second}` collide in the default pose");
         Outlier { excess: 0.0, path: path_of(pair[1]), message }
     };
     let help = "move the legs apart in the default pose, or give the bodies smaller collision shapes";
@@ -204,7 +204,7 @@ fn overlaps(robot: &Robot) -> Examined {
         self-collisions";
     issues.extend(worst("W0416", others.iter().map(outlier).collect(), "pairs", help));
     Examined {
-        name: "no two bodies are inside each other in the default pose",
+        name: "no two bodies collide in the default pose",
         detail: format!("{} pairs are checked for self-collisions", SelfCollision::pairs(robot).len()),
         issues,
     }

@@ -181,7 +181,7 @@ fn inertias_and_masses_of_other_units_are_told() {
         assert_eq!(told, [(code, "base.inertia".to_owned())], "{factor}");
     }
     assert!(inertia(3.0).is_empty() && inertia(0.3).is_empty());
-    // An error of 30 to 100 is no unit, but no such body exists either.
+    // An error of 30 to 100 is not a unit, but no such body exists either.
     for name in crate::robot::names() {
         for factor in [30.0, 100.0] {
             let mut robot = robot(name);

@@ -122,7 +122,7 @@ impl<'a, 'input> Scene<'a, 'input> {
             let accessor = accessor.ok_or("positions without an accessor")?;
             let count = |key: &str, absent: usize| match accessor.attribute(key) {
                 Some(text) => {
-                    text.trim().parse::<usize>().map_err(|_| format!("`{key}` is no number: {text}"))
+                    text.trim().parse::<usize>().map_err(|_| format!("`{key}` is not a number: {text}"))
                 }
                 None => Ok(absent),
             };
@@ -197,7 +197,7 @@ fn numbers(node: Node) -> Result<Vec<f64>, String> {
 }
 
 fn number(text: &str) -> Result<f64, String> {
-    text.trim().parse().map_err(|_| format!("`{text}` is no number"))
+    text.trim().parse().map_err(|_| format!("`{text}` is not a number"))
 }
 
 fn child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Option<Node<'a, 'input>> {
@@ -340,7 +340,7 @@ mod tests {
             ),
             ("<node><skew>1 2 3 4 5 6 7</skew></node>", "", "<skew> is not read"),
             ("<node><matrix>1 2 3</matrix></node>", "", "<matrix> has 3 numbers, not 16"),
-            ("<node><translate>1 two 3</translate></node>", "", "`two` is no number"),
+            ("<node><translate>1 two 3</translate></node>", "", "`two` is not a number"),
         ] {
             let said = said(nodes, more);
             assert!(said.contains(part), "{said}");

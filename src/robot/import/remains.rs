@@ -84,7 +84,7 @@ fn coupled<'a>(welded: impl Iterator<Item = &'a Hinge>) -> Option<String> {
     Some(format!("welded, because the joints of a robot file turn independently of each other: {shown}"))
 }
 
-/// Joints welded because they are no hinges, those of the legs first: without them a leg moves differently.
+/// Joints welded because they are not hinges, those of the legs first: without them a leg moves differently.
 fn of_other_kinds(tree: &Tree, kept: &[bool], welded: &Welded) -> Option<String> {
     let index = |name: &str| tree.parts.iter().position(|part| part.body.name == name);
     let feet = welded.feet.each_ref().map(|(link, _)| index(&welded.links[*link].body.name));

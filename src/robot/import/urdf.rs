@@ -158,7 +158,7 @@ impl<'a> Graph<'a> {
             }
             [] => {
                 let place = self.joints.first().map_or(robot.span, |(joint, ..)| joint.span);
-                let help = "one link, the base, is no child of any joint";
+                let help = "one link, the base, is not a child of any joint";
                 intake.tell(not_a_tree("the joints form a circle".to_owned(), place).help(help));
             }
             [(first, place), (second, other), ..] => {

@@ -357,7 +357,7 @@ impl TryFrom<Table> for Claim {
     type Error = String;
 
     fn try_from(table: Table) -> Result<Self, String> {
-        Self::of_table(&table).ok_or_else(|| "this table is no claim".to_owned())
+        Self::of_table(&table).ok_or_else(|| "this table is not a claim".to_owned())
     }
 }
 
@@ -430,7 +430,7 @@ impl Reading<'_> {
         let id = self.fields.text("id");
         let plain = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.');
         if id.is_empty() || !id.chars().all(plain) {
-            let error = Diagnostic::error("E0103", format!("`{id}` is no name: claims are called by it"));
+            let error = Diagnostic::error("E0103", format!("`{id}` is not a name: claims are called by it"));
             self.fail(error.at(self.place("id"), "not a name").help("use letters, digits, `_`, `-` and `.`"));
         }
     }
@@ -503,8 +503,8 @@ impl Reading<'_> {
         let Some((stage, name)) =
             text.rsplit_once('.').filter(|(stage, name)| !stage.is_empty() && !name.is_empty())
         else {
-            let error =
-                Diagnostic::error("E0103", format!("`{text}` is no metric of a stage")).at(place, "no stage");
+            let error = Diagnostic::error("E0103", format!("`{text}` is not a metric of a stage"))
+                .at(place, "no stage");
             let example = if text.is_empty() { "survival" } else { text.trim_matches('.') };
             self.fail(
                 error.help(format!("write the stage before it, for example `evaluate.nominal.{example}`")),

@@ -89,7 +89,7 @@ pub fn describe(ty: &Ty) -> String {
     }
 }
 
-/// The form of a value of a type, for lines to fill in. It is no valid value, so that a pasted line is a mistake
+/// The form of a value of a type, for lines to fill in. It is not a valid value, so that a pasted line is a mistake
 /// and not a robot or an experiment that nobody meant.
 pub fn blank(ty: &Ty) -> String {
     match ty {

@@ -371,7 +371,7 @@ mod tests {
         let curve = [(0.5, 1.0), (1.0, 3.0), (1.5, 10.0), (3.5, 7.0)];
         assert_eq!(averaged(&curve, 1.0), [(0.75, 2.0), (1.5, 10.0), (3.5, 7.0)]);
         assert_eq!(averaged(&curve, 0.1), curve);
-        assert_eq!(averaged(&curve, 9.0), curve, "one point is no curve");
+        assert_eq!(averaged(&curve, 9.0), curve, "one point is not a curve");
     }
 
     #[test]

@@ -141,7 +141,7 @@ impl Drives {
         let attitude = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-6);
         if attitude.is_none() {
             let message =
-                format!("the orientation of the base in the key frame `{}` is no quaternion", key.name);
+                format!("the orientation of the base in the key frame `{}` is not a quaternion", key.name);
             intake.tell(
                 value(message, key.span).help("write w x y z with a length of 1 behind the base's place"),
             );
