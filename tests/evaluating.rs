@@ -345,7 +345,8 @@ mod engines {
         "deploy.mujoco.episodes=3",
     ];
 
-    fn trained(store: &Path) {
+    /// Trains a small policy; returns what the run printed for people.
+    fn trained(store: &Path) -> String {
         let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
         command.current_dir(env!("CARGO_MANIFEST_DIR")).env("OMP_NUM_THREADS", "1").arg("--store").arg(store);
         command.args(["run", "specs/tocabi_walk_torque.toml", "--profile", "desk"]);
@@ -355,6 +356,7 @@ mod engines {
         }
         let output = command.output().expect("the program can be started");
         assert!(output.status.success(), "{}", told(&output));
+        told(&output)
     }
 
     /// Interrupts the evaluation when it hears that an episode lasts.
@@ -458,8 +460,16 @@ mod engines {
     #[test]
     fn the_numbers_are_those_of_the_stages_in_both_engines_whatever_the_threads() {
         let store = tempfile::tempdir().expect("a folder");
-        trained(store.path());
+        let run = trained(store.path());
         let policy = files(&store.path().join("export"), "policy.safetensors").remove(0);
+        assert!(run.contains(&format!("policy of tocabi_walk_torque: {}", policy.display())), "{run}");
+        // The command that the run proposes is one.
+        let proposed = run.lines().find_map(|line| line.strip_prefix("try it on a slope: `specforge "));
+        let proposed = proposed.and_then(|line| shlex::split(line.trim_end_matches('`'))).expect("a command");
+        let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
+        command.current_dir(env!("CARGO_MANIFEST_DIR")).env("OMP_NUM_THREADS", "1").args(proposed);
+        let output = command.args(["--episodes", "1", "--time-limit", "496 ms"]).output().expect("it starts");
+        assert!(output.status.success() && !output.stdout.is_empty(), "{}", told(&output));
         let known = evaluations(store.path());
         let of = |engine: &str, command: f64| {
             known.iter().find(|one| one.engine == engine && one.command == Some(command)).expect("it was run")

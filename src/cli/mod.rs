@@ -18,6 +18,7 @@ pub mod index;
 mod interruption;
 mod list;
 mod new;
+mod next;
 pub mod output;
 mod overwrite;
 mod pages;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::study::{self, Source};
-use super::{Exit, Format, Global, faults, interruption, output};
+use super::{Exit, Format, Global, faults, interruption, next, output};
 use crate::escape::terminal::{self, one_line};
 use crate::exec::bars::Bars;
 use crate::exec::events::{Event, Events, JsonLines};
@@ -235,6 +235,7 @@ fn execute(task: &Task, interrupt: &Interrupt, global: &Global) -> Exit {
     tell_tasks(&record.tasks, global);
     tell_claims(&record.claims, global);
     tell_page(&published, global);
+    next::tell(&study.plan, store, global);
     match verdict(&outcome) {
         "interrupted" => Exit::Interrupted,
         "failed" => Exit::StageFailed,

@@ -154,9 +154,8 @@ impl Answer {
         match self.status.state {
             State::Cached => one_line(&format!("{label} would not run: its artefact was made{made}")),
             State::Changed => {
-                one_line(&format!(
-                    "{label} would run: its inputs changed since its artefact was made{made}"
-                )) + &some(&self.status.changes, verbose)
+                one_line(&format!("{label} would run: its inputs changed since its artefact was made{made}"))
+                    + &some(&self.status.changes, verbose)
             }
             State::Missing => {
                 let note = self.status.note.as_deref().unwrap_or("never made");

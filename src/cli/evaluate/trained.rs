@@ -2,15 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use super::super::next::POLICY;
 use super::super::specs::Variant;
 use super::super::study::{self, Source};
 use super::super::{Exit, Global, output};
 use crate::escape::shell;
 use crate::exec::manifest::Depth;
 use crate::plan::{Cached, Stage, StageKind};
-
-/// The name of a policy in the folder of an export.
-const POLICY: &str = "policy.safetensors";
 
 /// Whether a path names a spec and not a policy.
 pub fn is_spec(path: &Path) -> bool {
