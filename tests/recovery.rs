@@ -234,7 +234,7 @@ fn an_interruption_that_arrives_twice_still_writes_its_checkpoint() {
     let output = child.wait_with_output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(6), "{said}");
-    assert!(said.contains("go on from the checkpoints") && has_checkpoint(store.path()), "{said}");
+    assert!(said.contains("resume from the checkpoints") && has_checkpoint(store.path()), "{said}");
     assert!(outcome(store.path()) == whole().1, "other bits");
 }
 
@@ -268,7 +268,7 @@ fn signals_of_terminals_and_batch_systems_write_a_checkpoint_that_the_next_run_g
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(6), "{signals:?}: {said}");
         assert!(
-            said.contains("go on from the checkpoints") && has_checkpoint(store.path()),
+            said.contains("resume from the checkpoints") && has_checkpoint(store.path()),
             "{signals:?}: {said}"
         );
     }

@@ -4,6 +4,7 @@ use super::{Case, Evidence, Judged, Ruling};
 use crate::escape::markdown::code;
 use crate::kinds::metric;
 use crate::kinds::statistic::{self, FEW, SMALLEST_OF_FEW, Unit};
+use crate::report::estimate::Estimate;
 use crate::report::table::{Cell, Table};
 use crate::report::wording::{arm_in_words, capitalised, listed, significance, with_interval};
 use crate::spec::claim::Paper;
@@ -149,14 +150,31 @@ pub fn in_brief(claim: &Judged) -> String {
         _ if !claim.alternatives.is_empty() => alternatives(claim),
         cases => {
             let count = |ruling| cases.iter().filter(|case| case.verdict == ruling).count();
+            let range = range(cases).map_or_else(String::new, |range| format!("{range}; "));
             format!(
-                "of {} comparisons {} pass, {} fail",
+                "{range}of {} comparisons {} pass, {} fail",
                 cases.len(),
                 count(Ruling::Pass),
                 count(Ruling::Fail)
             )
         }
     }
+}
+
+/// `0.043 to 0.078 rad`: the smallest and the largest estimate; `None` if one is missing or infinite.
+fn range(cases: &[Case]) -> Option<String> {
+    let values: Option<Vec<f64>> =
+        cases.iter().map(|case| case.estimate.value.filter(|value| value.is_finite())).collect();
+    let of = |pick: fn(f64, f64) -> f64| {
+        let value = values.as_ref()?.iter().copied().reduce(pick)?;
+        let case = cases.iter().find(|case| case.estimate.value == Some(value))?;
+        let estimate = Estimate { low: None, high: None, ..case.estimate.clone() };
+        Some(shown(&Case { estimate, ..case.clone() }))
+    };
+    let [low, high] = [of(f64::min)?, of(f64::max)?];
+    // Both have the unit of the metric.
+    let number = low.split(' ').next().unwrap_or(&low);
+    Some(if low == high { low } else { format!("{number} to {high}") })
 }
 
 /// `holds at 2 of 3 points of `setting`, fails at 1`.

@@ -658,3 +658,18 @@ fn no_setting_serves_when_every_one_fails_in_a_task_and_the_report_says_which_ho
     let places: Vec<usize> = (0..table.rows.len()).filter(|at| corrected(&table.rows[*at])).collect();
     assert_eq!(places, [0], "the comparisons have their own");
 }
+
+#[test]
+fn several_comparisons_are_told_with_their_smallest_and_largest_estimate() {
+    let case = |value: f64, unit: &str| Case {
+        estimate: Estimate { value: Some(value), digits: 2, unit: unit.into(), ..Estimate::default() },
+        verdict: Ruling::Pass,
+        ..Case::default()
+    };
+    let brief = |cases: Vec<Case>| in_brief(&Judged { cases, ..Judged::default() });
+    let distances = vec![case(0.08, "rad"), case(0.04, "rad"), case(0.06, "rad")];
+    assert_eq!(brief(distances), "0.04 to 0.08 rad; of 3 comparisons 3 pass, 0 fail");
+    assert_eq!(brief(vec![case(1.0, "rad"), case(1.0, "rad")]), "1.00 rad; of 2 comparisons 2 pass, 0 fail");
+    let unknown = Case { verdict: Ruling::Pass, ..Case::default() };
+    assert_eq!(brief(vec![case(1.0, "rad"), unknown]), "of 2 comparisons 2 pass, 0 fail");
+}
