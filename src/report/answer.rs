@@ -9,7 +9,7 @@ use super::verdict::judge;
 use super::wording::{labels, listed, with_interval};
 use crate::kinds::task::Task;
 
-/// Most claims that are told in full.
+/// Most claims whose text is quoted; the table below the answer has all.
 const TOLD: usize = 3;
 
 /// What the claims of a suite came to: how many are established, and the texts of those that were refuted,
@@ -44,7 +44,7 @@ pub fn of_arms(input: &ReportInput) -> String {
     sentences.join(" ")
 }
 
-/// The evaluations of an arm's own task, without other conditions unless there are no others.
+/// The evaluations under the conditions of the arm's own task; if each has other conditions, the first one.
 fn own(arm: &Arm) -> Vec<&Measured> {
     let evaluated = || arm.evaluations.iter().filter(|measured| !measured.evaluation.episodes.is_empty());
     let own: Vec<&Measured> = evaluated().filter(|measured| conditions(arm, measured).is_none()).collect();
@@ -98,12 +98,14 @@ fn difference(arms: [&Arm; 2], names: [&str; 2]) -> Option<String> {
         (true, larger) => {
             let than = if larger { "larger" } else { "smaller" };
             format!(
-                "In {engine} the {label} of {a} is {than} than that of {b}: {one} against {two}, one run (seed) each."
+                "In {engine} the {label} of {a} is {than} than that of {b}: {one} against {two}, one \
+                 run (seed) each."
             )
         }
         (false, _) => {
             format!(
-                "In {engine} no difference of {a} and {b} in the {label} is established: {one} and {two}, one run (seed) each."
+                "In {engine} no difference of {a} and {b} in the {label} is established: {one} and {two}, one \
+                 run (seed) each."
             )
         }
     })

@@ -1,4 +1,4 @@
-//! Reward terms that pay nothing: what they are meant to teach is not taught.
+//! Reward terms that pay almost nothing, and so have no influence on what is learned.
 
 use super::model::{Arm, ReportInput};
 use super::wording::{labels, listed};

@@ -54,11 +54,12 @@ pub fn listed<T: AsRef<str>>(items: &[T]) -> String {
     }
 }
 
-/// Axes whose points say what they are without the axis.
+/// Axes whose points are clear without the name of the axis: `torque`, not `control torque`.
 const PLAIN_AXES: &[&str] = &["robot", "task", "control", "case", "setting"];
 
-/// The name of an arm or a run of a suite in words: `robot=tocabi,std=10 %,seed=2` is `tocabi, std 10 %, seed 2`.
-/// A name of another form stays as it is.
+/// The name of an arm or a run of a suite in words: `robot=tocabi,std=10 %,seed=2` is `tocabi, std 10 %,
+/// seed 2`.
+/// A name of another form is returned unchanged.
 pub fn arm_in_words(name: &str) -> String {
     let part = |text: &str| {
         let (axis, point) = text.split_once('=')?;

@@ -1,10 +1,10 @@
-//! The first lines of the index: what was established, what was refuted, what is open.
+//! The first lines of the index: the claims that were established, refuted, or are open.
 
 use super::{Index, State};
 use crate::escape::markdown::inline;
 use crate::report::claim::Ruling;
 
-/// Most claims that a line tells in full.
+/// Most claims whose text a line quotes; the tables below have all.
 const TOLD: usize = 3;
 
 impl Index {
