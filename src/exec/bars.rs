@@ -4,13 +4,14 @@
 //! `⠹ tocabi_walk_torque  ▁▂▃▅▆▇▇██······  return 412     60 %   4117/s  32 min left`.
 
 use std::collections::BTreeMap;
-use std::sync::Mutex;
-use std::time::Duration;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
 
 use indicatif::{MultiProgress, ProgressBar, ProgressState, ProgressStyle};
 
 use super::curve::Curve;
 use super::events::{Event, Events};
+use super::pace::Pace;
 use super::progress::{NAME_WIDTH, lock, told};
 use crate::escape::terminal;
 
@@ -27,10 +28,15 @@ pub struct Bars {
     colored: bool,
 }
 
+/// The pace of a stage, as its bar draws it. The bar's own estimate would count what a checkpoint had.
+type Shared = Arc<Mutex<Option<Pace>>>;
+
 /// The line of one stage.
 #[derive(Clone)]
 struct Row {
     bar: ProgressBar,
+    /// `None` until the first report. Shared with the bar's style, which prints rate and remaining time.
+    pace: Shared,
     /// The return of a training so far; `None` until there is one.
     curve: Option<Curve>,
 }
@@ -59,30 +65,30 @@ impl Bars {
         Self { group: MultiProgress::new(), rows: Mutex::default(), layout: Layout::of(columns), colored }
     }
 
-    fn row(&self, stage: &str) -> ProgressBar {
+    fn row(&self, stage: &str) -> Row {
         let mut rows = lock(&self.rows);
         if let Some(row) = rows.get(stage) {
-            return row.bar.clone();
+            return row.clone();
         }
-        let bar = self.group.add(ProgressBar::new_spinner());
-        bar.set_style(style("{spinner} {prefix}  {elapsed:>4}"));
+        let (bar, pace) = (self.group.add(ProgressBar::new_spinner()), Shared::default());
+        bar.set_style(style("{spinner} {prefix}  {elapsed:>4}", &pace));
         bar.set_prefix(fitted(&terminal::line(called(stage)), self.layout.name));
         bar.enable_steady_tick(Duration::from_millis(250));
-        rows.insert(stage.to_owned(), Row { bar: bar.clone(), curve: None });
-        bar
+        let row = Row { bar, pace, curve: None };
+        rows.insert(stage.to_owned(), row.clone());
+        row
     }
 
     fn progress(&self, stage: &str, [done, total]: [u64; 2]) {
-        let bar = self.row(stage);
+        let Row { bar, pace, .. } = self.row(stage);
+        let now = Instant::now();
+        lock(&pace).get_or_insert_with(|| Pace::new(done, now)).advance(done, now);
         if bar.length().is_none() && total > 0 {
             let width = self.layout.curve;
-            bar.set_style(style(&format!(
-                "{{spinner}} {{prefix}}  {{bar:{width}}}  {{percent:>3}} %  {{speed}}  {{left}}"
-            )));
+            let template =
+                format!("{{spinner}} {{prefix}}  {{bar:{width}}}  {{percent:>3}} %  {{speed}}  {{left}}");
+            bar.set_style(style(&template, &pace));
             bar.set_length(total);
-            // Measure the rate from here: a resumed stage does not start at zero.
-            bar.set_position(done);
-            bar.reset_eta();
         }
         bar.set_position(done);
     }
@@ -91,10 +97,10 @@ impl Bars {
     fn measure(&self, stage: &str, values: &BTreeMap<String, f64>) {
         let Some(value) = values.get("return_mean") else { return };
         let mut rows = lock(&self.rows);
-        let Some(Row { bar, curve }) = rows.get_mut(stage) else { return };
+        let Some(Row { bar, pace, curve }) = rows.get_mut(stage) else { return };
         let Some(total) = bar.length().filter(|total| *total > 0) else { return };
         if curve.is_none() {
-            bar.set_style(style("{spinner} {prefix}  {msg}  {percent:>3} %  {speed}  {left}"));
+            bar.set_style(style("{spinner} {prefix}  {msg}  {percent:>3} %  {speed}  {left}", pace));
         }
         let curve = curve.get_or_insert_with(|| Curve::new(self.layout.curve));
         curve.add(bar.position() as f64 / total as f64, *value);
@@ -129,16 +135,19 @@ impl Events for Bars {
     }
 }
 
-fn style(template: &str) -> ProgressStyle {
+fn style(template: &str, pace: &Shared) -> ProgressStyle {
     let style = ProgressStyle::with_template(template).expect("the template is constant and valid");
+    let (of_speed, of_rest) = (pace.clone(), pace.clone());
     style
         .progress_chars("=> ")
-        .with_key("speed", |state: &ProgressState, line: &mut dyn std::fmt::Write| {
+        .with_key("speed", move |_: &ProgressState, line: &mut dyn std::fmt::Write| {
+            let rate = lock(&of_speed).and_then(|pace| pace.rate()).unwrap_or(0.0);
             // A line that cannot be formatted is not shown.
-            let _ = write!(line, "{:>7}", speed(state.per_sec()));
+            let _ = write!(line, "{:>7}", speed(rate));
         })
-        .with_key("left", |state: &ProgressState, line: &mut dyn std::fmt::Write| {
-            let _ = write!(line, "{:>11}", left(state.eta().as_secs_f64()));
+        .with_key("left", move |state: &ProgressState, line: &mut dyn std::fmt::Write| {
+            let rest = lock(&of_rest).and_then(|pace| pace.left(state.len()?)).unwrap_or(0.0);
+            let _ = write!(line, "{:>11}", left(rest));
         })
 }
 
@@ -271,6 +280,29 @@ mod tests {
                 assert!(words.iter().all(|word| last.contains(word)), "{last}");
             }
         }
+    }
+
+    #[test]
+    fn a_resumed_training_shows_the_rate_of_this_process_only() {
+        let paper = Paper { columns: 120, written: Arc::default() };
+        let group = MultiProgress::with_draw_target(ProgressDrawTarget::term_like(Box::new(paper.clone())));
+        let bars = Bars { group, layout: Layout::of(120), ..Bars::new(false) };
+        let report = |done| {
+            let (stage, unit, note) = ("torque/learner".into(), "samples".into(), String::new());
+            bars.emit(Event::Progress { stage, done, total: 80_000_000, unit, note });
+        };
+        report(60_000_000);
+        std::thread::sleep(Duration::from_millis(400));
+        // At most 2500 samples per second, so at least 2 h for the rest; with the checkpoint's, 0.1 s.
+        report(60_001_000);
+        // Longer than the interval in which the bar draws itself again.
+        std::thread::sleep(Duration::from_millis(600));
+        let written = lock(&paper.written).join("");
+        let last = written.rsplit("torque ").next().expect("it draws").to_owned();
+        let rate = last.split("/s").next().and_then(|text| text.split_whitespace().last()).expect("a rate");
+        let rate: f64 = rate.parse().expect("a number");
+        assert!((500.0..=2500.0).contains(&rate), "{last}");
+        assert!(last.contains(" h left"), "{last}");
     }
 
     #[test]

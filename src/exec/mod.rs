@@ -23,6 +23,7 @@ pub mod mark;
 pub mod marker;
 pub mod meter;
 mod numbers;
+mod pace;
 pub mod perform;
 pub mod progress;
 pub mod records;

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::curve::Curve;
 use super::events::{Event, Events};
+use super::pace::Pace;
 use crate::escape::terminal::{self, Painted, Style};
 
 /// Minimum time between two progress lines of one stage.
@@ -24,13 +25,13 @@ pub struct Lines<W> {
 
 struct LineState<W> {
     stream: W,
-    /// The first progress of each stage, and the time of its last line.
+    /// The progress of each stage.
     seen: BTreeMap<String, Seen>,
 }
 
 struct Seen {
-    first: u64,
-    since: Instant,
+    pace: Pace,
+    /// Time of the last line.
     told: Instant,
     /// Share that is done.
     share: f64,
@@ -101,20 +102,19 @@ impl<W> LineState<W> {
         let now = Instant::now();
         let share = done as f64 / total.max(1) as f64;
         let Some(seen) = self.seen.get_mut(stage) else {
-            self.seen
-                .insert(stage.to_owned(), Seen { first: done, since: now, told: now, share, curve: None });
+            let pace = Pace::new(done, now);
+            self.seen.insert(stage.to_owned(), Seen { pace, told: now, share, curve: None });
             return None;
         };
         seen.share = share;
+        seen.pace.advance(done, now);
         if now.duration_since(seen.told) < interval {
             return None;
         }
         seen.told = now;
-        let rate =
-            done.saturating_sub(seen.first) as f64 / now.duration_since(seen.since).as_secs_f64().max(1e-9);
-        let left = total.saturating_sub(done) as f64 / rate;
+        let rate = seen.pace.rate().unwrap_or(0.0);
         let percent = 100 * done / total.max(1);
-        let eta = if left.is_finite() { format!(", {} left", span(left)) } else { String::new() };
+        let eta = seen.pace.left(total).map(|left| format!(", {} left", span(left))).unwrap_or_default();
         // Rates of long episodes can be below one per second.
         let digits = usize::from(rate < 9.95);
         Some(format!("{percent:>3} %  {done} of {total} {{unit}}, {rate:.digits$}/s{eta}"))
