@@ -194,6 +194,22 @@ fn the_plan_of_a_suite_is_a_screen_and_lists_everything_when_asked() {
 }
 
 #[test]
+fn every_stage_of_a_suite_has_a_name_of_its_own() {
+    // Its evaluations `home` and `flat` of a policy are one stage, so a run uses that stage twice.
+    let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
+    command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    command.args(["plan", "specs/studies/contact_force.toml", "--format", "json", "--store", "none"]);
+    let plan: Value = serde_json::from_slice(&command.output().expect("it runs").stdout).expect("JSON");
+    let mut names = BTreeMap::new();
+    for stage in plan["stages"].as_array().expect("stages") {
+        *names.entry(stage["name"].as_str().expect("a name")).or_insert(0) += 1;
+    }
+    let several: Vec<_> = names.iter().filter(|(_, count)| **count > 1).collect();
+    assert!(names.len() > 100 && several.is_empty(), "{several:?}");
+    assert!(names.contains_key("control=torque/env"), "a stage of all seeds has none: {:?}", names.keys());
+}
+
+#[test]
 fn origins_name_the_point_and_the_seeds() {
     let plan = Folder::new(STD).plan();
     let origins = &plan["arms"][2]["origins"];

@@ -217,22 +217,21 @@ impl Plan {
         found
     }
 
-    /// A stage's name for display: `learner` if all arms share it, otherwise `ARM/learner`; if all runs of a
-    /// suite's arm share it, the arm's name.
+    /// A stage's name for display, unique in the plan: `learner` if all arms share it, otherwise `ARM/learner`
+    /// with the first arm; if it belongs to all runs of a suite's arm and to no others, without the seed.
     pub fn label(&self, stage: &Stage) -> String {
         let arms: BTreeSet<&str> = stage.users.iter().map(|user| user.arm.as_str()).collect();
         if arms.len() >= self.arms.len().max(1) || stage.kind == StageKind::Report {
             return stage.name().to_owned();
         }
-        let run = stage.users[0].arm.as_str();
-        let arm = run.rsplit_once(",seed=").map_or(run, |(arm, _)| arm);
-        let shared = self.suite.is_some()
-            && stage.users.len() > 1
-            && stage
-                .users
-                .iter()
-                .all(|user| user.arm.rsplit_once(",seed=").is_some_and(|(own, _)| own == arm));
-        format!("{}/{}", if shared { arm } else { run }, stage.name())
+        let first = stage.users[0].arm.as_str();
+        let arm_of = |record: &ArmRecord| record.run.as_ref().map(|run| run.arm.clone());
+        let arm = self.arms.iter().find(|record| record.name == first).and_then(arm_of);
+        let shared = arm.filter(|arm| {
+            let runs = self.arms.iter().filter(|record| arm_of(record).as_ref() == Some(arm));
+            arms.len() > 1 && runs.map(|run| run.name.as_str()).collect::<BTreeSet<_>>() == arms
+        });
+        format!("{}/{}", shared.as_deref().unwrap_or(first), stage.name())
     }
 
     /// The stages that match a user's word: `ARM/STAGE`, a stage's name, a kind, or at least six digits of a

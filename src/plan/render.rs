@@ -90,7 +90,7 @@ fn groups(plan: &Plan) -> Vec<(String, Vec<&Stage>)> {
     /// Largest number of arms that a title names.
     const NAMED: usize = 6;
     let mut groups: Vec<(String, Vec<&Stage>)> = Vec::new();
-    let mut places: BTreeMap<String, usize> = BTreeMap::new();
+    let mut places: BTreeMap<Vec<&str>, usize> = BTreeMap::new();
     for stage in plan.stages() {
         let mut arms: Vec<&str> = stage.users.iter().map(|user| user.arm.as_str()).collect();
         arms.dedup();
@@ -101,14 +101,17 @@ fn groups(plan: &Plan) -> Vec<(String, Vec<&Stage>)> {
             }
             several => format!("shared by {}", several.join(", ")),
         };
+        // The arms of a report are its name, which may be that of an arm.
+        let key = if stage.kind == StageKind::Report { Vec::new() } else { arms.clone() };
         let title = if stage.kind == StageKind::Report { format!("report {title}") } else { title };
-        match places.get(&title) {
-            Some(place) => groups[*place].1.push(stage),
-            None => {
-                places.insert(title.clone(), groups.len());
-                groups.push((title, vec![stage]));
-            }
+        if let Some(place) = places.get(&key) {
+            groups[*place].1.push(stage);
+            continue;
         }
+        places.insert(key, groups.len());
+        let is_taken = groups.iter().any(|(other, _)| *other == title);
+        let title = if is_taken { format!("shared by {}", arms.join(", ")) } else { title };
+        groups.push((title, vec![stage]));
     }
     groups
 }
