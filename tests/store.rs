@@ -226,6 +226,36 @@ fn a_panicking_work_is_a_failed_stage() {
 }
 
 #[test]
+fn tensorboard_finds_a_training_by_arm_and_seed_while_it_runs_and_afterwards() {
+    use specforge::exec::{Job, Work, WorkError, Workshop, events::Record, gc};
+    const EVENTS: &str = specforge::learn::tensorboard::NAME;
+    struct Training(PathBuf);
+    impl Work for Training {
+        fn run(&self, job: &Job) -> Result<(), WorkError> {
+            fs::write(job.scratch.join(EVENTS), "half").expect("it can be written");
+            assert_eq!(fs::read_to_string(self.0.join(EVENTS)).expect("found by name"), "half");
+            job.write_text(EVENTS, "whole")
+        }
+    }
+    let (folder, plan) = (tempfile::tempdir().expect("a folder"), plan(&[arm("torque", "torque")]));
+    let named = folder.path().join("tensorboard/torque/seed_1/learner");
+    let mut works = arms::works(&Fake::default());
+    works.insert(StageKind::Learner, Box::new(Training(named.clone())));
+    let (store, record, interrupt) = (Store::at(folder.path()), Record::default(), Interrupt::default());
+    let workshop =
+        Workshop { plan: &plan, store: &store, works: &works, events: &record, interrupt: &interrupt };
+    let outcome = specforge::exec::run(&workshop, &options(&plan, 2)).expect("the store works");
+    assert!(outcome.failures.is_empty(), "{:?}", outcome.failures);
+    drop(outcome);
+    assert_eq!(fs::read_to_string(named.join(EVENTS)).expect("found by name"), "whole");
+    // Without the training there is nothing to name.
+    fs::remove_dir_all(folder.path().join("learner")).expect("it is there");
+    let waste = gc::waste(&store, &rules(Duration::MAX), &Wait::default()).expect("the journal can be read");
+    gc::remove(&store, &waste, &Wait::default()).expect("it can be removed");
+    assert!(named.symlink_metadata().is_err() && !folder.path().join("tensorboard").exists());
+}
+
+#[test]
 fn a_published_report_is_a_copy_that_is_left_alone_when_nothing_changed() {
     let (store, plan) = (tempfile::tempdir().expect("a folder"), plan(&[arm("torque", "torque")]));
     let outcome = execute(&plan, store.path(), &Fake::default(), 2).outcome.expect("the store works");
@@ -275,7 +305,7 @@ fn cleaning_removes_what_no_named_stage_uses_and_keeps_the_rest() {
     let kinds: Vec<&str> =
         waste.waste.iter().map(|entry| entry.what.split(' ').next().expect("a word")).collect();
     assert_eq!(kinds, ["env", "learner", "evaluate", "export", "transfer", "report"]);
-    gc::remove(&waste, &Wait::default()).expect("they can be removed");
+    gc::remove(&store, &waste, &Wait::default()).expect("they can be removed");
     drop(waste);
     assert_eq!(counts(&execute(&plan(&[other]), folder.path(), &Fake::default(), 2)), (0, 10, 0, 0));
 }
@@ -408,7 +438,7 @@ fn a_checkpoint_that_is_cleaned_away_is_locked_until_it_is_gone() {
     let wait = Wait { interrupt: Some(&impatient), ..Wait::default() };
     let locked = || matches!(store.lock(learner, &wait), Err(StoreError::Interrupted));
     assert!(locked(), "a run could take it up");
-    gc::remove(&waste, &Wait::default()).expect("it can be removed");
+    gc::remove(&store, &waste, &Wait::default()).expect("it can be removed");
     assert!(locked() && !scratch.exists());
     drop(waste);
     assert!(!locked());

@@ -245,7 +245,7 @@ fn journal(store: &Store, artefacts: usize) -> Result<Option<Fault>, StoreError>
 
 /// Removes the waste and reports it; without `removal` it is only reported.
 fn collect(store: &Store, cleaning: &gc::Cleaning, removal: Option<&Wait>, global: &Global) -> Exit {
-    if let Some(Err(error)) = removal.map(|wait| gc::remove(cleaning, wait)) {
+    if let Some(Err(error)) = removal.map(|wait| gc::remove(store, cleaning, wait)) {
         return faults::store(global, &error);
     }
     let dry_run = removal.is_none();

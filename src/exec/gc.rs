@@ -13,6 +13,7 @@ use super::lock::{self, Lock, Wait};
 use super::manifest::{self, Depth, Manifest};
 use super::marker::{self, Identity, is_real};
 use super::store::Store;
+use super::tensorboard;
 use crate::bounded;
 use crate::plan::{Cached, Fingerprint, StageKind};
 
@@ -160,14 +161,15 @@ fn checkpoint(store: &Store, held: &BTreeSet<Fingerprint>, path: PathBuf) -> Opt
     Some(Waste { _lock: Some(lock), ..entry("checkpoint".into(), path) })
 }
 
-/// Removes the waste, and repairs a journal that was overridden.
-pub fn remove(cleaning: &Cleaning, wait: &Wait) -> Result<(), StoreError> {
+/// Removes the waste with the names that TensorBoard has for it, and repairs a journal that was overridden.
+pub fn remove(store: &Store, cleaning: &Cleaning, wait: &Wait) -> Result<(), StoreError> {
     for Waste { path, .. } in &cleaning.waste {
         // Of a link only the link itself is removed.
         let is_folder = is_real(path, Metadata::is_dir);
         let removed = if is_folder { fs::remove_dir_all(path) } else { fs::remove_file(path) };
         removed.map_err(|error| StoreError::writing(path, error))?;
     }
+    tensorboard::sweep(store);
     let Some((journal, folder)) = &cleaning.mend else { return Ok(()) };
     fs::create_dir_all(folder).map_err(|error| StoreError::writing(folder, error))?;
     let place = |number: usize| folder.join(format!("journal-{number}"));

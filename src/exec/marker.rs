@@ -13,7 +13,7 @@ use crate::{bounded, safe_fs};
 /// Start of the marker's first line; the layout number follows.
 const TITLE: &str = "A store of specforge, layout ";
 /// Folders of a store besides those of the stage kinds.
-pub const FOLDERS: [&str; 5] = ["tmp", "scratch", "locks", "leases", "damaged"];
+pub const FOLDERS: [&str; 6] = ["tmp", "scratch", "locks", "leases", "damaged", "tensorboard"];
 /// Files of a store.
 pub const FILES: [&str; 4] = [FILE, ".gitignore", "journal.jsonl", "journal.seal"];
 
@@ -163,6 +163,7 @@ fn is_part_of(folder: &str, path: &Path) -> bool {
         }
         "scratch" => is_key(path),
         "damaged" => is_damaged(path),
+        "tensorboard" => is_real(path, fs::Metadata::is_dir),
         // Empty files that processes lock.
         _ => is_real(path, fs::Metadata::is_file),
     }

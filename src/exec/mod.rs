@@ -32,6 +32,7 @@ mod shorter;
 pub mod speed;
 pub mod store;
 mod strays;
+mod tensorboard;
 mod verify;
 pub mod work;
 pub mod works;

@@ -14,6 +14,7 @@ use super::lock::Wait;
 use super::manifest::{Depth, Provenance};
 use super::shorter::{self, Cause};
 use super::store::Store;
+use super::tensorboard;
 use super::work::{Failure, Job, Threads, WorkError, Works};
 use crate::crash;
 use crate::plan::{Cached, Fingerprint, Plan, Stage, StageKind};
@@ -99,6 +100,9 @@ impl Workshop<'_> {
         let scratch = self.store.scratch(&stage.fingerprint)?;
         self.tell_crash(&label, &scratch);
         self.continue_shorter(stage, &label, &scratch)?;
+        if let Err(error) = tensorboard::running(self.store, self.plan, stage) {
+            self.warn(Some(label.clone()), format!("TensorBoard's folder is not up to date: {error}"));
+        }
         let draft = self.store.begin(stage)?;
         let job = Job {
             stage,

@@ -20,6 +20,7 @@ use super::manifest::{self, Depth};
 use super::marker::{self, Identity};
 use super::meter::Meter;
 use super::perform::{Ending, Order, Workshop};
+use super::tensorboard;
 use super::work::{Failure, Threads as Share, WorkError};
 use crate::escape::shell;
 use crate::plan::stage::Threads;
@@ -194,6 +195,8 @@ impl<'a> Board<'a> {
             noted?;
         }
         self.note_report(stage, &stage.fingerprint);
+        // Nothing needs the links, and a store that is only read cannot have new ones.
+        let _ = tensorboard::finished(self.workshop.store, self.workshop.plan, stage);
         self.count(stage, wall);
         Ok(())
     }

@@ -1,8 +1,8 @@
 //! The content-addressed store: one folder per artefact, `KIND/FINGERPRINT/`, created by one rename.
 //!
 //! Besides the artefacts it has `tmp/` (artefacts being made), `scratch/` (checkpoints), `locks/`, `leases/`
-//! (what running processes use), `damaged/` (entries whose digests do not match), `journal.jsonl` with its
-//! seal, and the marker file. Does not interpret the content of artefacts.
+//! (what running processes use), `damaged/` (entries whose digests do not match), `tensorboard/` (links to the
+//! trainings by name), `journal.jsonl` with its seal, and the marker file. Does not interpret the content of artefacts.
 
 use std::fs::{self, File};
 use std::io::{ErrorKind, Write};
