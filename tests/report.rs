@@ -468,6 +468,41 @@ fn a_page_or_figure_that_was_edited_is_found_by_the_digests_of_its_record() {
 }
 
 #[test]
+fn exported_policies_are_copied_beside_the_page_that_links_them_and_tracked() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let page = run_and_publish(folder.path());
+    let text = fs::read_to_string(&page).expect("the report is there");
+    let file = "atlas_run_torque/policies/atlas_run_torque.safetensors";
+    // The other arm failed to learn.
+    assert!(text.contains(&format!("[atlas_run_torque]({file}).")), "{text}");
+    let copy = page.with_file_name(file);
+    assert_eq!(fs::read_to_string(&copy).expect("the copy is there"), "weights of atlas_run_torque");
+    let specforge = |arguments: &[&str]| {
+        let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
+        let output = command.current_dir(folder.path()).args(arguments).output().expect("it runs");
+        let told =
+            [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned()).concat();
+        (output.status.code(), told)
+    };
+    let check = || specforge(&["report", "--check"]);
+    assert_eq!(check().0, Some(0), "{}", check().1);
+    let trace = specforge(&["trace", &format!("reports/{file}")]).1;
+    assert!(trace.contains("atlas_run_torque deploy.policy"), "{trace}");
+    fs::write(&copy, "other weights").expect("it can be written");
+    let stray = copy.with_file_name("other.safetensors");
+    fs::write(&stray, "weights").expect("it can be written");
+    let (code, told) = check();
+    assert_eq!(code, Some(4), "{told}");
+    assert!(told.contains("atlas_run_torque.safetensors: it was changed after it was rendered"), "{told}");
+    assert!(told.contains("other.safetensors: it is not a policy of this report"), "{told}");
+    // A page may be passed on without its policies, and rendering it again writes them.
+    fs::remove_file(&stray).and_then(|()| fs::remove_file(&copy)).expect("they are there");
+    assert_eq!(check().0, Some(0), "{}", check().1);
+    run_and_publish(folder.path());
+    assert_eq!(fs::read_to_string(&copy).expect("the copy is there"), "weights of atlas_run_torque");
+}
+
+#[test]
 fn a_page_and_its_record_repeat_the_permission_for_folders_outside_of_the_project() {
     let input = ReportInput { outside: vec!["../shared".into()], ..synthetic::input() };
     let files = render(&input, &Templates::default(), &mut Sources::default()).expect("no mistake");

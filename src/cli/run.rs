@@ -235,7 +235,7 @@ fn execute(task: &Task, interrupt: &Interrupt, global: &Global) -> Exit {
     tell_tasks(&record.tasks, global);
     tell_claims(&record.claims, global);
     tell_page(&published, global);
-    next::tell(&study.plan, store, global);
+    next::tell(&study.plan, store, published.page().map(|page| (page, &record)), global);
     match verdict(&outcome) {
         "interrupted" => Exit::Interrupted,
         "failed" => Exit::StageFailed,

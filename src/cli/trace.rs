@@ -14,6 +14,7 @@ use crate::escape::terminal::one_line;
 use crate::report::digests::{self, Digests};
 use crate::report::estimate::Estimate;
 use crate::report::fields::lies_in;
+use crate::report::policies;
 use crate::report::sidecar::{ArmRecord, Item, RecordError, Sidecar, TracedCell};
 use crate::report::source::Source;
 use crate::report::table::Cell;
@@ -36,7 +37,7 @@ struct Target {
     sidecar: PathBuf,
     /// The item and, for a cell, its row.
     item: Option<(String, Option<String>)>,
-    /// `figure` or `table`, to tell items of the same name apart.
+    /// `figure`, `table` or `policy`, to tell items of the same name apart.
     kind: &'static str,
 }
 
@@ -123,7 +124,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     Exit::Ok
 }
 
-/// Parses `reports/NAME/FIGURE.svg`, `reports/NAME.md#ITEM.ROW`, or the same with `.json`.
+/// Parses `reports/NAME/FIGURE.svg`, `reports/NAME/policies/ARM.safetensors`, `reports/NAME.md#ITEM.ROW`, or the same with `.json`.
 fn target(argument: &str) -> Target {
     let (file, place) =
         argument.split_once('#').map_or((argument, None), |(file, place)| (file, Some(place)));
@@ -132,6 +133,10 @@ fn target(argument: &str) -> Target {
     if let (Some(folder), true) = (folder, path.extension().is_some_and(|ending| ending == "svg")) {
         let id = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         return Target { sidecar: appended(folder), item: Some((id, None)), kind: "figure" };
+    }
+    if let (Some(folder), true) = (folder.and_then(Path::parent), policies::is_copy(file)) {
+        let id = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        return Target { sidecar: appended(folder), item: Some((id, None)), kind: "policy" };
     }
     let item = place.map(|place| match place.split_once('.') {
         Some((item, row)) => (item.to_owned(), Some(row.to_owned())),

@@ -13,6 +13,9 @@ use crate::learn::file::{self, Doubles, Tensors};
 use crate::learn::network::{Activation, Network};
 use crate::robot::Robot;
 
+/// Name of the file in the artefact of an export.
+pub const FILE: &str = "policy.safetensors";
+
 /// A policy with everything that is needed to run it.
 #[derive(Clone, Debug)]
 pub struct Policy {

@@ -11,6 +11,7 @@ use serde_json::Value;
 use super::manifest::Depth;
 use super::works::robot;
 use crate::bounded;
+use crate::deploy::policy;
 use crate::learn::file;
 use crate::plan::fingerprint::canonical_json;
 use crate::plan::{Stage, StageKind};
@@ -46,7 +47,7 @@ fn same(one: &Value, other: &Value) -> bool {
 fn contract(folder: &Path) -> Result<(), String> {
     let (Some(copy), Ok(bytes)) = (
         json::<Value>(folder, "contract.json")?,
-        bounded::bytes(&folder.join("policy.safetensors"), bounded::ARTEFACT),
+        bounded::bytes(&folder.join(policy::FILE), bounded::ARTEFACT),
     ) else {
         return Ok(());
     };

@@ -5,10 +5,11 @@ use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
-use super::model::{Arm, Failure, Measured, ReportInput, StageRecord, Update};
+use super::model::{Arm, Failure, Measured, Policy, ReportInput, StageRecord, Update};
 use super::paths::Paths;
 use super::{baseline, crossing};
 use crate::bounded;
+use crate::deploy::policy;
 use crate::exec::manifest::{self, Manifest};
 use crate::exec::{Job, WorkError};
 use crate::kinds::evaluate::last_push;
@@ -121,6 +122,7 @@ fn arm(job: &Job, record: &ArmRecord, law: Law) -> Result<Arm, WorkError> {
         pretrain: artefact(folder("pretrain"), "pretrain.json")?,
         stages: stages(job, record)?,
         failures: failures(job, record, &paths),
+        policies: policies(job, record)?,
         evaluations: Vec::new(),
         run: record.run.clone(),
     };
@@ -137,6 +139,22 @@ fn arm(job: &Job, record: &ArmRecord, law: Law) -> Result<Arm, WorkError> {
     arm.evaluations.sort_by(|one, other| order(&one.stage).cmp(&order(&other.stage)));
     crossing::forget(&mut arm);
     Ok(arm)
+}
+
+/// The exported policies of an arm, without those of a suite's runs, to which no page links.
+fn policies(job: &Job, record: &ArmRecord) -> Result<Vec<Policy>, WorkError> {
+    let mut found = Vec::new();
+    for (stage, key) in record.stages.iter().filter(|_| job.plan.suite.is_none()) {
+        let is_export = job.plan.stage(key).is_some_and(|node| node.kind == StageKind::Export);
+        let folder = job.inputs.get(&format!("{}/{stage}", record.name)).filter(|_| is_export);
+        let Some(path) = folder.map(|folder| folder.join(policy::FILE)) else { continue };
+        match bounded::bytes(&path, bounded::RECORD) {
+            Ok(bytes) => found.push(Policy { stage: stage.clone(), bytes }),
+            Err(error) if error.is_absence() => {}
+            Err(error) => return Err(WorkError::io(&path, error.into())),
+        }
+    }
+    Ok(found)
 }
 
 /// Adds the times of scheduled pushes to the evaluations.

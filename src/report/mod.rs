@@ -27,6 +27,7 @@ pub mod no_curve;
 pub mod page;
 pub mod paths;
 pub mod plot;
+pub mod policies;
 pub mod preflight;
 pub mod publish;
 pub mod question;

@@ -107,6 +107,9 @@ pub struct Arm {
     /// The stages that were run, or found in the store.
     #[serde(default)]
     pub stages: Vec<StageRecord>,
+    /// Its exported policies, for copies beside the page; none for the runs of a suite.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub policies: Vec<Policy>,
     /// Stages that failed.
     #[serde(default)]
     pub failures: Vec<Failure>,
@@ -200,6 +203,16 @@ pub struct StageRecord {
     pub cpu_s: f64,
     /// When it ended, as `2026-01-31 12:00 UTC`; empty when not recorded.
     pub finished: String,
+}
+
+/// A policy exported by an arm.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Policy {
+    /// The stage that exported it.
+    pub stage: String,
+    /// The content of its file.
+    #[serde(skip)]
+    pub bytes: Vec<u8>,
 }
 
 /// A stage that failed.

@@ -9,6 +9,7 @@ use super::figure::{self, Figure};
 use super::headline;
 use super::model::ReportInput;
 use super::no_curve;
+use super::policies;
 use super::question::question;
 use super::suite::{self, page::SuitePage};
 use super::table::{Table, endings, evaluation, glance, health, learning, provenance, setup};
@@ -46,6 +47,8 @@ pub struct Page {
     pub tables: Tables,
     /// The figures.
     pub figures: Figures,
+    /// The copies of the exported policies.
+    pub policies: Vec<PolicyPage>,
     /// Why there is no figure of learning curves; empty if there is one.
     pub no_learning_curve: String,
     /// The suite; empty for other reports.
@@ -66,6 +69,15 @@ pub struct Page {
     pub tool_version: String,
     /// Its commit, shortened.
     pub commit: String,
+}
+
+/// A copy of an exported policy.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PolicyPage {
+    /// Its name.
+    pub name: String,
+    /// Its file, relative to the page.
+    pub file: String,
 }
 
 /// An arm.
@@ -186,6 +198,10 @@ impl Page {
                 tables(input, figures)
             },
             figures: figure_set(input, figures),
+            policies: policies::copies(input)
+                .into_iter()
+                .map(|copy| PolicyPage { name: copy.id, file: copy.file })
+                .collect(),
             no_learning_curve: no_curve::reason(input, figures),
             suite: SuitePage::new(input),
             claims: claim::table(&judged),

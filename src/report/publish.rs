@@ -1,4 +1,4 @@
-//! Publishes a report: copies its page, record and figures out of the store to where people read them, all or
+//! Publishes a report: copies its page, record, figures and policies out of the store to where people read them, all or
 //! none.
 //!
 //! Everything is first written to a hidden folder, so a full disk changes nothing. Then the old page is
@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 
 use super::edits;
 use super::integrity::is_figure;
+use super::policies;
 use super::sidecar::Sidecar;
 use crate::bounded;
 use crate::exec::StoreError;
@@ -124,7 +125,7 @@ fn is_own(path: &str, name: &str) -> bool {
 }
 
 /// What lies where a file of the new report would be written and is not of a report: a folder, or a file that
-/// is not empty, that no record lists, and that is not a figure of specforge. Links are refused elsewhere.
+/// is not empty, that no record lists, and that is not a figure or policy of specforge. Links are refused elsewhere.
 fn in_the_way(folder: &Path, name: &str, files: &[Copy]) -> Option<PathBuf> {
     let record = Sidecar::path(folder, name);
     let earlier = Sidecar::open(&record).ok();
@@ -138,7 +139,11 @@ fn in_the_way(folder: &Path, name: &str, files: &[Copy]) -> Option<PathBuf> {
     };
     let is_ours = |file: &Copy, path: &Path| {
         let is_record = file.path == format!("{name}.json") && earlier.is_some();
-        is_record || listed.contains(&file.path) || is_there(folder, file) || is_figure(path)
+        let is_output = || match policies::is_copy(&file.path) {
+            true => policies::is_policy(path),
+            false => is_figure(path),
+        };
+        is_record || listed.contains(&file.path) || is_there(folder, file) || is_output()
     };
     let occupied = |file: &Copy| {
         let path = folder.join(&file.path);
@@ -149,7 +154,7 @@ fn in_the_way(folder: &Path, name: &str, files: &[Copy]) -> Option<PathBuf> {
     files.iter().find_map(occupied)
 }
 
-/// Figures in the earlier report's record that the new report lacks. Any other files in the folder of figures
+/// Figures and policies in the earlier report's record that the new report lacks. Any other files in the folder of figures
 /// stay.
 fn stale(folder: &Path, name: &str, files: &[Copy]) -> Vec<String> {
     let Ok(earlier) = Sidecar::read(&Sidecar::path(folder, name)) else { return Vec::new() };

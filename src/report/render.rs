@@ -13,7 +13,7 @@ use super::preflight::Preflight;
 use super::sidecar::Sidecar;
 use super::table::Cell;
 use super::template::Templates;
-use super::{digests, limits, preflight, wording};
+use super::{digests, limits, policies, preflight, wording};
 use crate::diag::{Diagnostic, Severity, Sources};
 use crate::escape::markdown;
 
@@ -38,6 +38,8 @@ pub fn render(
         }),
     );
     sidecar.digests = digests::of(&files);
+    let policies = policies::copies(input).into_iter();
+    sidecar.digests.extend(policies.map(|copy| (copy.file, digests::digest(copy.bytes))));
     files.insert(
         1,
         ReportFile { path: format!("{}.json", input.name).into(), text: sidecar.sealed().to_json() },

@@ -12,6 +12,7 @@ use super::fields;
 use super::figure::Figure;
 use super::model::{Arm, ReportInput, StageRecord};
 use super::page::{Page, figure_file};
+use super::policies;
 use super::runs::{self, RunRecord};
 use super::source::Source;
 use super::table::setup::budget_samples;
@@ -52,7 +53,7 @@ pub struct Sidecar {
     /// The paths in the project of the command's files.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub specs: Vec<String>,
-    /// Figures and tables.
+    /// Figures, tables and copies of policies.
     pub items: Vec<Item>,
     /// The version of the rules that the claims were judged by.
     pub rules: u32,
@@ -67,7 +68,7 @@ pub struct Sidecar {
     pub tasks: Vec<TaskRecord>,
     /// The arms with their stages and values.
     pub arms: Vec<ArmRecord>,
-    /// BLAKE3 digests of the page and its figures.
+    /// BLAKE3 digests of the page, its figures and its copies of policies.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub digests: Digests,
     /// BLAKE3 digest of the canonical JSON of the rest of the record; empty until it is sealed.
@@ -93,16 +94,16 @@ pub struct Facts {
     pub budgets: Vec<u64>,
 }
 
-/// A figure or a table.
+/// A figure, a table or a copy of a policy.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Item {
     /// Its name.
     pub id: String,
-    /// `figure` or `table`.
+    /// `figure`, `table` or `policy`.
     pub kind: String,
     /// Its title.
     pub title: String,
-    /// The file of a figure, relative to the report.
+    /// The file of a figure or policy, relative to the report.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub file: String,
     /// The stages it is made from.
@@ -258,6 +259,14 @@ impl Sidecar {
             cells: Vec::new(),
             rows: BTreeMap::new(),
         });
+        let policies = policies::copies(input).into_iter().map(|copy| Item {
+            id: copy.id,
+            kind: "policy".to_string(),
+            title: "Exported policy".to_string(),
+            file: copy.file,
+            sources: vec![copy.source],
+            ..Item::default()
+        });
         let tables =
             page.all_tables().into_iter().filter(|table| !table.sources.is_empty()).map(|table| Item {
                 id: table.id.clone(),
@@ -276,7 +285,7 @@ impl Sidecar {
             commit: input.commit.clone(),
             command: wording::command(input, "run"),
             specs: input.places.iter().filter(|place| !place.is_empty()).cloned().collect(),
-            items: pictures.chain(tables).collect(),
+            items: pictures.chain(tables).chain(policies).collect(),
             rules: RULES,
             runs: runs::records(input),
             claims: page.judged.clone(),

@@ -1,7 +1,9 @@
 //! The report stage: collects the input, renders, and writes the files to its artefact.
 
+use std::path::Path;
+
 use super::gather::{Law, gather};
-use super::{Templates, render};
+use super::{Templates, policies, render};
 use crate::diag::{Diagnostic, Sources};
 use crate::exec::{Job, Work, WorkError};
 use crate::safe_fs;
@@ -27,15 +29,22 @@ impl Work for ReportWork {
         let files =
             render(&input, &self.templates, &mut sources).map_err(|found| failure(&found, &sources))?;
         for file in files {
-            // Figure names contain arm names, which a saved plan may set to anything.
-            let path = safe_fs::inside(job.output, &file.path.to_string_lossy())
-                .map_err(|error| WorkError::io(&file.path, error))?;
-            let parent = path.parent().unwrap_or(job.output);
-            std::fs::create_dir_all(parent).map_err(|error| WorkError::io(parent, error))?;
-            std::fs::write(&path, file.text).map_err(|error| WorkError::io(&path, error))?;
+            write(job.output, &file.path, file.text.as_bytes())?;
         }
-        Ok(())
+        policies::copies(&input)
+            .iter()
+            .try_for_each(|copy| write(job.output, Path::new(&copy.file), copy.bytes))
     }
+}
+
+/// Writes a file of the report into its artefact. Names of figures and policies contain arm names, which a
+/// saved plan may set to anything.
+fn write(output: &Path, file: &Path, content: &[u8]) -> Result<(), WorkError> {
+    let path =
+        safe_fs::inside(output, &file.to_string_lossy()).map_err(|error| WorkError::io(file, error))?;
+    let parent = path.parent().unwrap_or(output);
+    std::fs::create_dir_all(parent).map_err(|error| WorkError::io(parent, error))?;
+    std::fs::write(&path, content).map_err(|error| WorkError::io(&path, error))
 }
 
 /// The errors of a template as the failure of a stage: `templates/run.md.j2:12:4: undefined variable`.

@@ -27,6 +27,7 @@ impl Work for MadeUp {
             StageKind::Evaluate | StageKind::Transfer => {
                 job.write("evaluation.json", &evaluation(arm, &user.stage))
             }
+            StageKind::Export => job.write_text("policy.safetensors", &format!("weights of {}", user.arm)),
             _ => job.write("made.json", &user.stage),
         }
     }

@@ -131,6 +131,7 @@ fn arm(control: &str, quality: f64) -> Arm {
         ],
         stages: stages(&name),
         failures: vec![],
+        policies: Vec::new(),
         run: None,
         name,
     };

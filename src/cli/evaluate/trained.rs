@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::super::next::POLICY;
 use super::super::specs::Variant;
 use super::super::study::{self, Source};
 use super::super::{Exit, Global, output};
+use crate::deploy::policy;
 use crate::escape::shell;
 use crate::exec::manifest::Depth;
 use crate::plan::{Cached, Stage, StageKind};
@@ -39,7 +39,7 @@ pub fn policy(spec: &Path, variant: &Variant, global: &Global) -> Result<PathBuf
     let store = study::store(&study, global)?;
     let again = format!("specforge run {shown}{}", arguments(variant));
     let (message, advice) = match store.inspect(export.kind, &export.fingerprint, Depth::Quick) {
-        Cached::Yes => return Ok(store.folder(export.kind, &export.fingerprint).join(POLICY)),
+        Cached::Yes => return Ok(store.folder(export.kind, &export.fingerprint).join(policy::FILE)),
         Cached::No => (
             format!(
                 "{} has no trained policy in {}{}",

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::ledger::Ledger;
 use super::{Job, Work, WorkError, blueprint, bytes, failed, section};
 use crate::deploy::contract::Provenance;
-use crate::deploy::policy::{Policy, PolicyError, Trust};
+use crate::deploy::policy::{self, Policy, PolicyError, Trust};
 use crate::deploy::torchscript;
 use crate::deploy::transfer::Transfer as Protocol;
 use crate::env::BlueprintError;
@@ -55,7 +55,7 @@ impl Work for Export {
         let learner = job.stage.recipe.inputs.get("learner").map(|key| key.as_str().to_owned());
         let provenance = Provenance::of_build(learner);
         let policy = Policy::new(actor(job)?, blueprint(job)?, provenance).map_err(unusable)?;
-        let path = job.output.join("policy.safetensors");
+        let path = job.output.join(policy::FILE);
         std::fs::write(&path, policy.to_bytes()).map_err(|error| WorkError::io(&path, error))?;
         if section(job, Deployment::SECTION)?
             .value(export::Export::formats)
@@ -73,7 +73,7 @@ pub struct Transfer;
 impl Work for Transfer {
     fn run(&self, job: &Job) -> Result<(), WorkError> {
         let transfer = Protocol::new(section(job, Deployment::SECTION)?);
-        let policy = read_policy(&job.input("policy", "policy.safetensors")?, Trust::Store)?;
+        let policy = read_policy(&job.input("policy", policy::FILE)?, Trust::Store)?;
         let robot = blueprint(job)?.robot;
         policy.check_robot(&robot).map_err(unusable)?;
         let ledger = Ledger::open(job, transfer.protocol.conditions.len())?;

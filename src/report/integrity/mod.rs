@@ -98,6 +98,7 @@ pub fn verify(folder: &Path) -> Found {
     for below in &folders {
         let place = Place { folder, below };
         place.unlisted_figures(&listed, &mut found);
+        place.unlisted_policies(&listed, &mut found);
         place.index(&mut found);
     }
     found

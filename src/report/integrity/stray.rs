@@ -1,4 +1,5 @@
-//! Finds files without a record: pages, figures, figures that no record lists, and copies of reports.
+//! Finds files without a record: pages, figures, figures and policies that no record lists, and copies of
+//! reports.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -9,6 +10,7 @@ use crate::escape::xml;
 use crate::report::index::FILE;
 use crate::report::listing;
 use crate::report::paths::page_folder;
+use crate::report::policies;
 use crate::report::render_command::UNKNOWN;
 
 /// A sentence at the end of pages by the shipped templates.
@@ -91,6 +93,22 @@ impl Place<'_> {
             strays.push(self.fault(&page, &file, reason, fix));
         }
         found.faults.extend(strays);
+    }
+
+    /// Finds policies beside a page that no record lists.
+    pub(super) fn unlisted_policies(&self, listed: &BTreeSet<PathBuf>, found: &mut Found) {
+        let Some(page) = self.below.parent().filter(|_| policies::is_folder(self.below)) else { return };
+        let Some(again) = found.commands.get(&self.seen(page)) else { return };
+        let files = listing::files(self.below, "safetensors").into_iter();
+        let strays = files.filter(|file| !listed.contains(file)).map(|file| {
+            let reason = "it is not a policy of this report: no record lists it";
+            let fix = format!(
+                "delete it, or restore the record that lists it from version control; {again} copies the \
+                 policies of the report"
+            );
+            self.fault(page, &file, reason, fix)
+        });
+        found.faults.extend(strays.collect::<Vec<_>>());
     }
 
     /// The figures in a page's folder whose metadata name this page.
