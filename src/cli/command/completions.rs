@@ -7,7 +7,7 @@ use clap::{Command, CommandFactory};
 use clap_complete::Shell;
 
 use super::list::LISTS;
-use super::{Arguments, Exit, Global, output};
+use crate::cli::{Arguments, Exit, Global, output};
 use crate::diag::codes::PAGES;
 use crate::kinds::keys::keys;
 use crate::kinds::reference::registries;

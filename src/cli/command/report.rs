@@ -5,9 +5,9 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use super::specs::Variant;
-use super::study::{self, Source};
-use super::{Exit, Format, Global, faults, index, output, pages, run};
+use crate::cli::specs::Variant;
+use crate::cli::study::{self, Source};
+use crate::cli::{Exit, Format, Global, faults, index, output, pages, progress};
 use crate::exec::journal::Past;
 use crate::exec::{self, Interrupt, Store, Workshop};
 use crate::plan::why::{self, State};
@@ -181,7 +181,7 @@ impl Rendering<'_> {
     fn execute(self, store: &Store, global: &Global) -> Exit {
         let Self { study, derived, destination } = self;
         let (works, interrupt) = (works(study), Interrupt::default());
-        let events = run::audience(global);
+        let events = progress::events(global);
         let plan = &study.plan;
         let selected = plan.stages().filter(|stage| stage.kind == StageKind::Report);
         let selected: BTreeSet<_> = selected.map(|stage| stage.fingerprint.clone()).chain(derived).collect();

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use serde_json::json;
 
-use super::{Exit, Format, Global, faults, output, records};
+use crate::cli::{Exit, Format, Global, faults, output, records};
 use crate::escape::terminal::one_line;
 use crate::exec::journal::Journal;
 use crate::exec::line_file::Health;

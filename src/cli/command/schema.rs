@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{Exit, Global, output, overwrite};
+use crate::cli::{Exit, Global, output, overwrite};
 use crate::safe_fs;
 use crate::schema::{Schema, schemas};
 

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use super::{Exit, Format, Global, output};
 use crate::bounded;
+use crate::cli::{Exit, Format, Global, output};
 use crate::sim;
 
 /// Arguments of `doctor`.

@@ -1,18 +1,15 @@
 //! `specforge run FILE...`: checks, plans, executes and publishes the report.
 
 use std::collections::BTreeMap;
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::Instant;
 
-use super::study::{self, Source};
-use super::{Exit, Format, Global, faults, interruption, next, output};
+use crate::cli::study::{self, Source};
+use crate::cli::{Exit, Format, Global, faults, interruption, next, output, progress};
 use crate::escape::terminal::{self, one_line};
-use crate::exec::bars::Bars;
-use crate::exec::events::{Event, Events, JsonLines};
+use crate::exec::events::Event;
 use crate::exec::journal::Past;
-use crate::exec::progress::{Lines, Quiet, span};
+use crate::exec::progress::span;
 use crate::exec::{self, Interrupt, Outcome, Store, StoreError, Workshop, capability, last_words};
 use crate::kinds::learn::{Learner, Ppo};
 use crate::plan::why::{self, State};
@@ -182,16 +179,6 @@ fn preview(
     Exit::Ok
 }
 
-/// The receiver of events: JSON lines for programs, bars on terminals, plain lines in logs.
-pub fn audience(global: &Global) -> Arc<dyn Events> {
-    match global.format {
-        Format::Json => Arc::new(JsonLines::new(std::io::stdout())),
-        _ if global.quiet => Arc::new(Quiet::new(std::io::stderr())),
-        _ if std::io::stderr().is_terminal() => Arc::new(Bars::new(output::colored(global))),
-        _ => Arc::new(Lines::new(std::io::stderr())),
-    }
-}
-
 /// What to execute.
 struct Task<'a> {
     study: &'a Study,
@@ -205,7 +192,7 @@ struct Task<'a> {
 fn execute(task: &Task, interrupt: &Interrupt, global: &Global) -> Exit {
     let Task { study, store, settings, destination, start } = *task;
     interrupt.work();
-    let (events, works) = (audience(global), works(study));
+    let (events, works) = (progress::events(global), works(study));
     if let Err(error) = last_words::listen(Some(store.root().to_owned()), events.clone(), interrupt) {
         output::complain(global, &format!("cannot prepare for crashes: {error}"), None);
         return Exit::Internal;

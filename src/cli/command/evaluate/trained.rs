@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::super::specs::Variant;
-use super::super::study::{self, Source};
-use super::super::{Exit, Global, output};
+use crate::cli::specs::Variant;
+use crate::cli::study::{self, Source};
+use crate::cli::{Exit, Global, output};
 use crate::deploy::policy;
 use crate::escape::shell;
 use crate::exec::manifest::Depth;

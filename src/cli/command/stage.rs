@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use super::{Exit, Global, faults, interruption, output, run, study};
+use crate::cli::{Exit, Global, faults, interruption, output, progress, study};
 use crate::exec::{self, Workshop, capability, last_words};
 use crate::study::works::works;
 
@@ -61,7 +61,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(store) => store,
         Err(exit) => return exit,
     };
-    let (events, works) = (run::audience(global), works(&study));
+    let (events, works) = (progress::events(global), works(&study));
     if let Err(error) = last_words::listen(Some(store.root().to_owned()), events.clone(), &interrupt) {
         output::complain(global, &format!("cannot prepare for crashes: {error}"), None);
         return Exit::Internal;

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use super::pages::CODE;
-use super::specs::{self, Findings};
-use super::{Exit, Format, Global, output};
+use crate::cli::pages::CODE;
+use crate::cli::specs::{self, Findings};
+use crate::cli::{Exit, Format, Global, output};
 use crate::diag::{Diagnostic, Sources};
 use crate::escape;
 use crate::escape::terminal::one_line;

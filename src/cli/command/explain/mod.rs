@@ -6,7 +6,7 @@ mod units;
 
 use serde_json::{Value, json};
 
-use super::{Exit, Format, Global, output};
+use crate::cli::{Exit, Format, Global, output};
 use crate::diag::codes;
 use crate::kinds::keys::{self, Key};
 use crate::kinds::reference::{self, Registry, registries, summary};

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::specs::Variant;
-use super::study::{self, Source};
-use super::{Exit, Format, Global, output};
 use crate::bounded;
+use crate::cli::specs::Variant;
+use crate::cli::study::{self, Source};
+use crate::cli::{Exit, Format, Global, output};
 use crate::escape::terminal::one_line;
 use crate::exec::Store;
 use crate::exec::journal::{CrashLine, Past};

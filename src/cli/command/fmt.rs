@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
-use super::specs::{self, Findings};
-use super::{Exit, Format, Global, output, rewrite};
 use crate::bounded;
+use crate::cli::specs::{self, Findings};
+use crate::cli::{Exit, Format, Global, output, rewrite};
 use crate::diag::{Sink, Sources};
 use crate::format::{Order, Sort, format};
 use crate::safe_fs;

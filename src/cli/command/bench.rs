@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
-use super::specs::{self, Variant};
-use super::{Exit, Global, interruption, output};
 use crate::check::Checked;
+use crate::cli::specs::{self, Variant};
+use crate::cli::{Exit, Global, interruption, output};
 use crate::env::Blueprint;
 use crate::kinds::motion::{self, clip::Clip};
 use crate::sim::{ENGINES, INSTRUCTIONS};
@@ -99,7 +99,7 @@ fn measured(
     place: &OnceLock<PathBuf>,
     global: &Global,
 ) -> Result<(), String> {
-    use super::Format;
+    use crate::cli::Format;
     use crate::exec::speed;
     use crate::learn::Settings;
     use crate::sim;

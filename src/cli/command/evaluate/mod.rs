@@ -11,9 +11,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::specs::{self, Findings, Variant};
-use super::{Exit, Format, Global, interruption, output, run};
 use crate::bounded::{self, ReadError};
+use crate::cli::specs::{self, Findings, Variant};
+use crate::cli::{Exit, Format, Global, interruption, output, progress};
 use crate::crash;
 use crate::deploy::{Policy, Transfer, Trust};
 use crate::diag::{Diagnostic, Sources};
@@ -204,7 +204,7 @@ fn evaluated(
     // In JSON mode standard output is reserved for results.
     let events: Arc<dyn Events> = match global.format {
         Format::Json => Arc::new(Urgent(JsonLines::new(std::io::stderr()))),
-        _ => run::audience(global),
+        _ => progress::events(global),
     };
     last_words::listen(None, events.clone(), interrupt)
         .map_err(|error| WorkError::failed(format!("cannot prepare for crashes: {error}")))?;

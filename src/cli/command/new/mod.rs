@@ -7,9 +7,9 @@ use std::path::{Component, Path, PathBuf};
 use serde_json::json;
 
 use self::fitting::{Asked, Fitting};
-use super::specs::{self, Findings, Variant};
-use super::{Exit, Format, Global, output};
 use crate::check;
+use crate::cli::specs::{self, Findings, Variant};
+use crate::cli::{Exit, Format, Global, output};
 use crate::diag::{Severity, Sink, Sources};
 use crate::escape::{self, shell};
 use crate::robot::{self, Proportions, Robot};

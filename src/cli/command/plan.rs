@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::study::{self, Source};
-use super::{Exit, Format, Global, output, overwrite, power};
+use crate::cli::study::{self, Source};
+use crate::cli::{Exit, Format, Global, output, overwrite, power};
 use crate::exec::journal::Past;
 use crate::plan::{is_saved, render, summary, why};
 use crate::safe_fs;

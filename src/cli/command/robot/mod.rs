@@ -5,8 +5,8 @@ mod sort;
 
 use std::path::PathBuf;
 
-use super::specs::{self, Findings};
-use super::{Exit, Format, Global, output};
+use crate::cli::specs::{self, Findings};
+use crate::cli::{Exit, Format, Global, output};
 use crate::diag::{Diagnostic, Sink, Sources};
 use crate::escape::terminal::one_line;
 use crate::kinds::vocabulary::vocabulary;

@@ -6,9 +6,9 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::specs::{self, Findings, Told, Variant};
-use super::{Exit, Format, Global, output};
 use crate::check::{Checked, CheckedSuite, Checker};
+use crate::cli::specs::{self, Findings, Told, Variant};
+use crate::cli::{Exit, Format, Global, output};
 use crate::diag::{Diagnostic, Sink, Sources, Span, render};
 use crate::report;
 use crate::spec::section::Report;

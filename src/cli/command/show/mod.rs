@@ -9,9 +9,9 @@ mod suite;
 
 use std::path::PathBuf;
 
-use super::specs::{self, Variant};
-use super::{Exit, Format, Global, output};
 use crate::check::{Checked, CheckedSuite};
+use crate::cli::specs::{self, Variant};
+use crate::cli::{Exit, Format, Global, output};
 use crate::escape::terminal::Painted;
 use crate::spec::suggest::nearest;
 

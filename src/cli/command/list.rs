@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::explain::unit_line;
-use super::{Exit, Format, Global, output};
+use crate::cli::{Exit, Format, Global, output};
 use crate::diag::codes::PAGES;
 use crate::escape::terminal::one_line;
 use crate::kinds::keys::keys;
