@@ -82,7 +82,7 @@ impl Checker {
         let motion = experiment
             .motion
             .as_ref()
-            .and_then(|file| read_motion(file, (files, &experiment.reach), &sources, &mut sink));
+            .and_then(|file| read_motion(file, files, &experiment.reach, &sources, &mut sink));
         let references = &mut self.references;
         let mut make = || {
             let [of, by] = [experiment.robot.as_ref()?, experiment.motion.as_ref()?];
@@ -256,7 +256,8 @@ pub(super) fn read_robot(
 /// changed recording changes the motion.
 pub(super) fn read_motion(
     file: &Attachment,
-    (files, reach): (&dyn Files, &Reach),
+    files: &dyn Files,
+    reach: &Reach,
     sources: &Sources,
     sink: &mut Sink,
 ) -> Option<Table> {

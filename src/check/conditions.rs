@@ -15,15 +15,15 @@ const MOST: f64 = 1e5;
 pub fn conditions_can_be_listed(subject: &Subject, sink: &mut Sink) {
     for (path, table) in subject.terms::<Evaluation>() {
         if table.is::<Speeds>() {
-            speeds(subject, (&path, table), sink);
+            speeds(subject, &path, table, sink);
         } else if table.is::<ParameterSets>() {
-            parameter_sets(subject, (&path, table), sink);
+            parameter_sets(subject, &path, table, sink);
         }
     }
 }
 
 /// A grid has both ends and a step that divides their distance; without a grid there is a list.
-fn speeds(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) {
+fn speeds(subject: &Subject, path: &str, table: Section, sink: &mut Sink) {
     let grid = [Speeds::from, Speeds::to, Speeds::step];
     let missing: Vec<&str> = grid.into_iter().filter(|key| !table.holds(*key)).map(|key| key.name).collect();
     let listed_speeds = table.value(Speeds::speeds);
@@ -44,7 +44,7 @@ fn speeds(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) {
         sink.emit(at(subject, path, Diagnostic::error("E0101", message)).help(help));
         return;
     }
-    let grid_length = if none { 0.0 } else { grid_of(subject, (path, table), sink).unwrap_or(0.0) };
+    let grid_length = if none { 0.0 } else { grid_of(subject, path, table, sink).unwrap_or(0.0) };
     let listed = listed_speeds.map_or(0.0, |speeds| speeds.len() as f64);
     let episodes = (grid_length + listed) * table.value(Speeds::repeats).unwrap_or(1) as f64;
     if episodes > MOST {
@@ -55,7 +55,7 @@ fn speeds(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) {
 }
 
 /// The number of speeds of a grid; `None` after a mistake.
-fn grid_of(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) -> Option<f64> {
+fn grid_of(subject: &Subject, path: &str, table: Section, sink: &mut Sink) -> Option<f64> {
     let (from, to, step) = (table.value(Speeds::from)?, table.value(Speeds::to)?, table.value(Speeds::step)?);
     if from > to {
         let message = format!(
@@ -86,7 +86,7 @@ fn grid_of(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) -
 }
 
 /// The scale is a range of positive factors, and no parameter is repeated.
-fn parameter_sets(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) {
+fn parameter_sets(subject: &Subject, path: &str, table: Section, sink: &mut Sink) {
     let place = ParameterSets::scale.below(path);
     let swapped = match table.value(ParameterSets::scale).unwrap_or_default().as_slice() {
         [low, high] if low > high && *high > 0.0 => Some(format!("[{high}, {low}]")),

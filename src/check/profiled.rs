@@ -49,7 +49,7 @@ impl Search<'_> {
         match experiment.marks.get(path).filter(|mark| !mark.text.is_empty()) {
             Some(mark) if mark.layer == Layer::Profile && mark.value.source != experiment.source => {
                 if mark.text != written.toml() {
-                    self.tell((path, written), mark.value, &mark.text, sink);
+                    self.tell(path, written, mark.value, &mark.text, sink);
                 }
             }
             Some(_) => {}
@@ -80,7 +80,7 @@ impl Search<'_> {
             if let Some((place, words)) = self.tables.iter().rev().find_map(switched) {
                 let agrees = words == format!("{path} = {}", written.toml());
                 if self.is_off(table) && !agrees {
-                    self.tell((path, written), place, &words, sink);
+                    self.tell(path, written, place, &words, sink);
                 }
                 return;
             }
@@ -94,7 +94,7 @@ impl Search<'_> {
         section.and_then(|section| keys.try_fold(section, |section, key| section.section(key))).is_none()
     }
 
-    fn tell(&self, (path, written): (&str, &Node), place: Span, value: &str, sink: &mut Sink) {
+    fn tell(&self, path: &str, written: &Node, place: Span, value: &str, sink: &mut Sink) {
         let (profile, own) = (self.profile, written.toml());
         let holder = self.experiment.profile_of(place);
         let parent = escape::file(&self.sources.get(place.source).name);

@@ -52,7 +52,7 @@ fn divides(subject: &Subject, path: &str, whole_path: &str, sink: &mut Sink) -> 
     if let Some(place) = subject.place(whole_path) {
         diagnostic = diagnostic.note(place, "not a multiple");
     }
-    sink.emit(diagnostic.help(cure(subject, (path, rate), (whole_path, physics))));
+    sink.emit(diagnostic.help(cure(subject, path, rate, whole_path, physics)));
     false
 }
 
@@ -63,7 +63,7 @@ fn is_fraction(rate: f64, physics: f64) -> bool {
 
 /// Suggestions for each of the two rates. Evaluations and transfers follow the training's rates, not vice
 /// versa.
-fn cure(subject: &Subject, (path, rate): (&str, f64), (whole_path, physics): (&str, f64)) -> String {
+fn cure(subject: &Subject, path: &str, rate: f64, whole_path: &str, physics: f64) -> String {
     let count = libm::ceil((physics / rate).max(1.0)) as u64 + 1000;
     let fractions: Vec<f64> = (1..count).map(|count| physics / count as f64).collect();
     let multiples: Vec<f64> = (1..count).map(|count| rate * count as f64).collect();
@@ -72,7 +72,7 @@ fn cure(subject: &Subject, (path, rate): (&str, f64), (whole_path, physics): (&s
     // Rates that settle all conflicts are preferred to those that settle this one alone.
     let of = |all: bool| -> Vec<String> {
         let offers = both.iter().filter(|(.., offered)| *offered);
-        offers.filter_map(|(key, rate, rates, _)| neighbours(subject, (key, *rate), rates, all)).collect()
+        offers.filter_map(|(key, rate, rates, _)| neighbours(subject, key, *rate, rates, all)).collect()
     };
     let offers = Some(of(true)).filter(|offers| !offers.is_empty()).unwrap_or_else(|| of(false));
     if offers.is_empty() { "choose a whole fraction of it".to_owned() } else { offers.join(", or ") }
@@ -80,7 +80,7 @@ fn cure(subject: &Subject, (path, rate): (&str, f64), (whole_path, physics): (&s
 
 /// The next lower and higher rate that have at most three decimals and fit all others, and with `all` leave no
 /// conflict between those either.
-fn neighbours(subject: &Subject, (key, present): (&str, f64), rates: &[f64], all: bool) -> Option<String> {
+fn neighbours(subject: &Subject, key: &str, present: f64, rates: &[f64], all: bool) -> Option<String> {
     let plain = |rate: f64| (rate * 1e3 - (rate * 1e3).round()).abs() < 1e-6;
     let near = |rate: f64| (present / NEAR..=present * NEAR).contains(&rate);
     let sound =

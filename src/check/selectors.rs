@@ -22,7 +22,7 @@ pub fn selectors_match(subject: &Subject, sink: &mut Sink) {
         for (key, names) in [(JointOffset::joints.name, &joints), (LINKS, &links)] {
             for (index, wanted) in selected(term.get(key)).into_iter().enumerate() {
                 if !names.iter().any(|name| matches(wanted, name)) {
-                    sink.emit(nothing(subject, (&format!("{path}.{key}.{index}"), wanted), names));
+                    sink.emit(nothing(subject, &format!("{path}.{key}.{index}"), wanted, names));
                 }
             }
         }
@@ -42,7 +42,7 @@ fn selected(value: Option<&Value>) -> Vec<&str> {
     names.iter().filter_map(|name| name.as_text().map(String::as_str)).collect()
 }
 
-fn nothing(subject: &Subject, (path, wanted): (&str, &str), names: &[&str]) -> Diagnostic {
+fn nothing(subject: &Subject, path: &str, wanted: &str, names: &[&str]) -> Diagnostic {
     let robot = subject.robot.map_or("", |robot| robot.name.as_str());
     let mut diagnostic =
         Diagnostic::error("E0402", format!("`{wanted}` matches no joint or link of `{robot}`"));

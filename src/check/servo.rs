@@ -22,7 +22,8 @@ pub fn servos_bear_their_delay(subject: &Subject, sink: &mut Sink) {
         return;
     };
     let Some(lag) = lag(subject, &servo) else { return };
-    let shares = servo.gains();
+    let (stiffness, damping) = servo.gains();
+    let shares = Shares { stiffness, damping };
     let loops = loops(robot);
     let seen = SEEN * servo.rate;
     let unstable =
@@ -36,12 +37,12 @@ pub fn servos_bear_their_delay(subject: &Subject, sink: &mut Sink) {
         1 => " (and of one more joint)".to_owned(),
         others => format!(" (and of {others} more joints)"),
     };
-    let undamped = shares.1 * worst.joint.damping_gain == 0.0;
+    let undamped = shares.damping * worst.joint.damping_gain == 0.0;
     let why = if undamped { "has no damping and is unstable" } else { "is unstable" };
     let message = format!("the servo of `{}`{also} {why} at the longest delay", worst.joint.name);
     let reason = format!(
         "K_d = {} N m s/rad, {} late, on {} kg m^2 with the leg in the air: {:.0} Hz",
-        short(shares.1 * worst.joint.damping_gain),
+        short(shares.damping * worst.joint.damping_gain),
         duration(lag),
         short(worst.inertia),
         worst.frequency(shares)
@@ -68,9 +69,13 @@ pub fn servos_bear_their_delay(subject: &Subject, sink: &mut Sink) {
 /// The largest damping below that of the spec, in shares of the robot's own, that gives every joint
 /// [`MARGIN`], or else the one with the largest margin; and the phase margin in degrees. If none below it makes
 /// the servo stable, those above it are tried, up to twice the robot's own. `None` if no damping does.
-fn stable(loops: &[Loop], (stiffness, damping): (f64, f64), lag: f64) -> Option<(f64, f64)> {
-    let least = |share: f64| {
-        loops.iter().map(|servo| servo.margin((stiffness, share), lag)).fold(f64::INFINITY, f64::min)
+fn stable(loops: &[Loop], shares: Shares, lag: f64) -> Option<(f64, f64)> {
+    let Shares { stiffness, damping } = shares;
+    let least = |damping: f64| {
+        loops
+            .iter()
+            .map(|servo| servo.margin(Shares { stiffness, damping }, lag))
+            .fold(f64::INFINITY, f64::min)
     };
     let best = |shares: &mut dyn Iterator<Item = f64>| {
         let margins = shares.map(|share| (share, least(share).min(MARGIN)));
@@ -91,6 +96,13 @@ fn lag(subject: &Subject, servo: &Position) -> Option<f64> {
     Some(delay + 0.5 / servo.servo_rate + 0.5 * measuring.flatten().unwrap_or(0.0))
 }
 
+/// The servos' gains in shares of the robot's own.
+#[derive(Clone, Copy)]
+struct Shares {
+    stiffness: f64,
+    damping: f64,
+}
+
 /// One joint's servo, with the robot in the air and its other joints free.
 struct Loop<'a> {
     joint: &'a Joint,
@@ -99,14 +111,14 @@ struct Loop<'a> {
 }
 
 impl Loop<'_> {
-    /// The gains in N m/rad and N m s/rad, from shares of the robot's own.
-    fn gains(&self, (proportional, derivative): (f64, f64)) -> (f64, f64) {
-        (proportional * self.joint.stiffness_gain, derivative * self.joint.damping_gain)
+    /// The gains in N m/rad and N m s/rad.
+    fn gains(&self, shares: Shares) -> (f64, f64) {
+        (shares.stiffness * self.joint.stiffness_gain, shares.damping * self.joint.damping_gain)
     }
 
     /// Crossover frequency in Hz, at which the loop gain is one; the gain falls with frequency. Zero if it is
     /// always below one.
-    fn frequency(&self, shares: (f64, f64)) -> f64 {
+    fn frequency(&self, shares: Shares) -> f64 {
         let ((stiffness, damping), viscous) = (self.gains(shares), self.joint.damping);
         let lead = damping * damping - viscous * viscous;
         let squares = (lead + libm::sqrt(lead * lead + 4.0 * (self.inertia * stiffness).powi(2))) / 2.0;
@@ -115,7 +127,7 @@ impl Loop<'_> {
 
     /// Phase margin in rad of `(K_d s + K_p) exp(-lag s) / (I s^2 + d s)` with these shares of the robot's
     /// own gains; negative if the loop is unstable.
-    fn margin(&self, shares: (f64, f64), lag: f64) -> f64 {
+    fn margin(&self, shares: Shares, lag: f64) -> f64 {
         let (stiffness, damping) = self.gains(shares);
         let frequency = TAU * self.frequency(shares);
         if frequency == 0.0 {
@@ -176,7 +188,10 @@ mod tests {
             for (stiffness, damping) in
                 [(40.0, 1.0), (40.0, 5.0), (40.0, 15.0), (5.0, 0.05), (200.0, 2.5), (400.0, 1.0)]
             {
-                let shares = (stiffness / joint.stiffness_gain, damping / joint.damping_gain);
+                let shares = Shares {
+                    stiffness: stiffness / joint.stiffness_gain,
+                    damping: damping / joint.damping_gain,
+                };
                 let margin = Loop { joint: &joint, inertia }.margin(shares, lag);
                 assert!(margin.abs() > 0.02, "too near to tell: {margin}");
                 assert_eq!(

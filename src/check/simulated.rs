@@ -142,7 +142,7 @@ fn sets(subject: &Subject) -> Vec<Vec<Row>> {
         let Some(Evaluation::ParameterSets(protocol)) = Evaluation::of_section(table) else { continue };
         let Ok(bounds) = <[f64; 2]>::try_from(protocol.scale.clone()) else { continue };
         let row = |parameter: &crate::kinds::evaluate::parameter_sets::Parameter| {
-            row(&ParameterSets::scale.below(&path), parameter.word(), &Table::new(), ("scale", bounds))
+            row(&ParameterSets::scale.below(&path), parameter.word(), &Table::new(), "scale", bounds)
         };
         sets.push(protocol.parameters.iter().filter_map(row).collect());
     }
@@ -161,12 +161,12 @@ fn rows(subject: &Subject, path: &str) -> Vec<Row> {
             Value::Count(count) => [*count as f64; 2],
             _ => return None,
         };
-        row(&format!("{path}.{name}.{key}"), section.kind()?, section.table(), (key, bounds))
+        row(&format!("{path}.{name}.{key}"), section.kind()?, section.table(), key, bounds)
     });
     drawn.collect()
 }
 
-fn row(path: &str, kind: &str, table: &Table, (key, bounds): (&'static str, [f64; 2])) -> Option<Row> {
+fn row(path: &str, kind: &str, table: &Table, key: &'static str, bounds: [f64; 2]) -> Option<Row> {
     let known = KINDS.iter().find(|row| row.kind.name == kind)?;
     let mut table = table.clone();
     // The rows of parameter sets have only their factor: the whole robot shares it.

@@ -231,7 +231,7 @@ impl<'a> Shelf<'a> {
     fn motion(&mut self, file: &Attachment, reach: &Reach, sink: &mut Sink) -> Option<Arc<Table>> {
         let read = self.motions.entry(file.source).or_insert_with(|| {
             let mut found = Sink::default();
-            let motion = read_motion(file, (self.files, reach), self.sources, &mut found);
+            let motion = read_motion(file, self.files, reach, self.sources, &mut found);
             (motion.map(Arc::new), found.diagnostics)
         });
         sink.diagnostics.extend(read.1.iter().cloned());

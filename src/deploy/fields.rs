@@ -19,7 +19,7 @@ pub fn misfit(fields: &Table) -> Option<String> {
     sections.find_map(|(name, section)| match (fields.get(name), &section.shape) {
         (None, _) => section.required.then(|| format!("`{name}` is missing")),
         (Some(Value::Table(table)), Shape::Plain(params)) => keys(table, &[params], name, &[]),
-        (Some(Value::Table(table)), Shape::Kind(kinds)) => of_kind(table, kinds, &[], (name, None)),
+        (Some(Value::Table(table)), Shape::Kind(kinds)) => of_kind(table, kinds, &[], name, None),
         (Some(Value::Table(table)), Shape::Terms(kinds, extra)) => terms(table, kinds, extra, name),
         _ => Some(format!("`{name}` is not a table")),
     })
@@ -30,7 +30,7 @@ fn terms(table: &Table, kinds: &[&'static Kind], extra: &'static [Param], path: 
     table.iter().find_map(|(term, value)| {
         let path = format!("{path}.{term}");
         match value {
-            Value::Table(table) => of_kind(table, kinds, extra, (&path, Some(term))),
+            Value::Table(table) => of_kind(table, kinds, extra, &path, Some(term)),
             _ => Some(format!("`{path}` is not a table")),
         }
     })
@@ -41,7 +41,8 @@ fn of_kind(
     table: &Table,
     kinds: &[&'static Kind],
     extra: &'static [Param],
-    (path, name): (&str, Option<&str>),
+    path: &str,
+    name: Option<&str>,
 ) -> Option<String> {
     let Some(word) = Section::new(table).kind().or(name) else {
         return Some(format!("`{path}` has no kind"));
@@ -87,7 +88,7 @@ fn of_type(ty: &Ty, value: &Value, path: &str) -> Option<String> {
         (Ty::List(item), Value::List(items)) => items.iter().find_map(|value| of_type(item, value, path)),
         (Ty::Table(params), Value::Table(table)) => keys(table, &[params], path, &[]),
         (Ty::Named(item), Value::Table(table)) => table.values().find_map(|value| of_type(item, value, path)),
-        (Ty::Kind(kinds), Value::Table(table)) => of_kind(table, &(kinds.all)(), &[], (path, None)),
+        (Ty::Kind(kinds), Value::Table(table)) => of_kind(table, &(kinds.all)(), &[], path, None),
         (Ty::Terms(kinds), Value::Table(table)) => terms(table, &(kinds.all)(), &[], path),
         (Ty::OneOf(types), _) => {
             let mut flaws: Vec<String> = Vec::new();

@@ -82,7 +82,7 @@ impl Ranking<'_> {
     fn keys(&self, table: &[String]) -> Vec<&'static str> {
         match self.sort {
             Sort::Robot => inside(vec![self.order.robot], table),
-            Sort::Motion => self.of_kinds(&self.order.motions, (&[], &[]), (table, table)),
+            Sort::Motion => self.of_kinds(&self.order.motions, &[], &[], table, table),
             Sort::Spec | Sort::Suite => match table {
                 [profile, _, rest @ ..] if profile == "profile" => self.section(rest, table),
                 _ => self.section(table, table),
@@ -100,10 +100,10 @@ impl Ranking<'_> {
         match (vocabulary.section(section).map(|section| &section.shape), rest) {
             (Some(Shape::Plain(params)), _) => inside(vec![params], rest),
             (Some(Shape::Kind(kinds)), _) => {
-                self.of_kinds(kinds, (OF_A_KIND, &[]), (rest, &table[..table.len() - rest.len()]))
+                self.of_kinds(kinds, OF_A_KIND, &[], rest, &table[..table.len() - rest.len()])
             }
             (Some(Shape::Terms(kinds, extra)), [_, rest @ ..]) => {
-                self.of_kinds(kinds, (OF_A_KIND, extra), (rest, &table[..table.len() - rest.len()]))
+                self.of_kinds(kinds, OF_A_KIND, extra, rest, &table[..table.len() - rest.len()])
             }
             _ => Vec::new(),
         }
@@ -131,8 +131,10 @@ impl Ranking<'_> {
     fn of_kinds(
         &self,
         kinds: &[&'static Kind],
-        (fixed, extra): (&[&'static str], &'static [Param]),
-        (rest, place): (&[String], &[String]),
+        fixed: &[&'static str],
+        extra: &'static [Param],
+        rest: &[String],
+        place: &[String],
     ) -> Vec<&'static str> {
         let place = if self.sort == Sort::Motion { &[] } else { place };
         let own = self.kinds.get(place).or(place.last());

@@ -119,48 +119,48 @@ fn measures(ty: &Ty, dimension: Dimension) -> bool {
 /// All keys: those of specs in the order of a spec, then those of motion files and of robot files.
 pub fn keys() -> Vec<Key> {
     let mut keys = Vec::new();
-    collect(HEADER, ("", &[]), &mut keys);
+    collect(HEADER, "", &[], &mut keys);
     for section in vocabulary().sections {
         match &section.shape {
-            Shape::Plain(params) => collect(params, (section.name, &[]), &mut keys),
+            Shape::Plain(params) => collect(params, section.name, &[], &mut keys),
             Shape::Kind(kinds) => {
-                add(&KIND, (section.name, &[]), &mut keys);
+                add(&KIND, section.name, &[], &mut keys);
                 if !section.required {
-                    add(&ENABLED, (section.name, &[]), &mut keys);
+                    add(&ENABLED, section.name, &[], &mut keys);
                 }
-                kinds.iter().for_each(|kind| collect(kind.params, (section.name, &[kind.name]), &mut keys));
+                kinds.iter().for_each(|kind| collect(kind.params, section.name, &[kind.name], &mut keys));
             }
             Shape::Terms(kinds, extra) => {
-                add(&KIND, (section.name, &[]), &mut keys);
-                add(&ENABLED, (section.name, &[]), &mut keys);
-                collect(extra, (section.name, &[]), &mut keys);
+                add(&KIND, section.name, &[], &mut keys);
+                add(&ENABLED, section.name, &[], &mut keys);
+                collect(extra, section.name, &[], &mut keys);
                 of_terms(section.name, kinds, &mut keys);
             }
         }
     }
     of_terms("motion", &motion::kinds(), &mut keys);
-    collect(file::PARAMS, ("robots", &[]), &mut keys);
+    collect(file::PARAMS, "robots", &[], &mut keys);
     keys
 }
 
 fn of_terms(section: &str, kinds: &[&'static Kind], keys: &mut Vec<Key>) {
     for kind in kinds {
-        collect(kind.params, (&format!("{section}.{}", kind.name), &[kind.name]), keys);
+        collect(kind.params, &format!("{section}.{}", kind.name), &[kind.name], keys);
     }
 }
 
 /// Adds keys and those of nested tables.
-fn collect(params: &'static [Param], (path, kinds): (&str, &[&'static str]), keys: &mut Vec<Key>) {
+fn collect(params: &'static [Param], path: &str, kinds: &[&'static str], keys: &mut Vec<Key>) {
     for param in params {
-        add(param, (path, kinds), keys);
+        add(param, path, kinds, keys);
         for table in reference::tables(&param.ty) {
-            collect(table, (&below(path, param.name), kinds), keys);
+            collect(table, &below(path, param.name), kinds, keys);
         }
     }
 }
 
 /// Adds a key; kinds with the same key share an entry.
-fn add(param: &'static Param, (path, kinds): (&str, &[&'static str]), keys: &mut Vec<Key>) {
+fn add(param: &'static Param, path: &str, kinds: &[&'static str], keys: &mut Vec<Key>) {
     let path = below(path, param.name);
     let same = |key: &&mut Key| key.path == path && format!("{:?}", key.param) == format!("{param:?}");
     match keys.iter_mut().find(same) {

@@ -187,12 +187,12 @@ mod wide {
             for panel in &layer.panels {
                 for vector in 0..panel.vectors {
                     if outputs.len() == ROWS * layer.outputs {
-                        sums_avx2::<ROWS>((panel, vector), inputs, outputs);
+                        sums_avx2::<ROWS>(panel, vector, inputs, outputs);
                         continue;
                     }
                     let rows = inputs.chunks_exact(layer.inputs).zip(outputs.chunks_exact_mut(layer.outputs));
                     for (input, output) in rows {
-                        sums_avx2::<1>((panel, vector), input, output);
+                        sums_avx2::<1>(panel, vector, input, output);
                     }
                 }
             }
@@ -201,7 +201,7 @@ mod wide {
 
     #[inline]
     #[target_feature(enable = "avx2,fma")]
-    fn sums_avx2<const R: usize>((panel, vector): (&Panel, usize), inputs: &[f32], outputs: &mut [f32]) {
+    fn sums_avx2<const R: usize>(panel: &Panel, vector: usize, inputs: &[f32], outputs: &mut [f32]) {
         let (width, count) = (inputs.len() / R, outputs.len() / R);
         let mut sums = [[_mm256_setzero_ps(); 2]; R];
         let bias = &panel.bias[vector].0;

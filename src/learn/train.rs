@@ -221,7 +221,7 @@ impl<'a> Session<'a> {
         let records: Vec<&Records> = lanes(&self.squads).map(|lane| &lane.records).collect();
         let mut measured =
             UpdateMetrics { explained_variance: explained_variance(&records), ..self.of_rollout(&tally) };
-        measure(&mut measured, &records, (view.outputs(), &settings.std), &actor);
+        measure(&mut measured, &records, view.outputs(), &settings.std, &actor);
         let place = Place { update, share };
         let outcome = match self.learner.improve(&records, settings, place, pace) {
             Err(Unfinished::Diverged) => return Err(LearnError::Gradient { update }),

@@ -145,7 +145,7 @@ fn lower_arm(arm: &Arm, nodes: &mut Nodes, records: &mut Vec<ArmRecord>) -> Resu
     let origins = Shared::from(origins);
     let mut forms: Vec<Form> = drafts(arm, &origins).into_iter().map(|draft| Form::of(arm, draft)).collect();
     let Some(runs) = &arm.runs else {
-        let stages = lower_run((arm, &arm.name), &mut forms, nodes)?;
+        let stages = lower_run(arm, &arm.name, &mut forms, nodes)?;
         let (name, request, fields) = (arm.name.clone(), arm.request.clone(), Sections::from(&arm.fields));
         let allow = arm.allow.clone();
         records.push(ArmRecord { name, request, fields, origins, stages, allow, run: None });
@@ -157,7 +157,7 @@ fn lower_arm(arm: &Arm, nodes: &mut Nodes, records: &mut Vec<ArmRecord>) -> Resu
             *form = form.seeded(run.seed);
         }
         let name = format!("{},seed={}", arm.name, run.seed);
-        let stages = lower_run((arm, &name), &mut forms, nodes)?;
+        let stages = lower_run(arm, &name, &mut forms, nodes)?;
         let (request, fields) = (arm.request.clone(), sections.seeded(run.seed));
         let (origins, allow) = (origins.clone(), arm.allow.clone());
         records.push(ArmRecord { name, request, fields, origins, stages, allow, run: Some(run) });
@@ -167,7 +167,8 @@ fn lower_arm(arm: &Arm, nodes: &mut Nodes, records: &mut Vec<ArmRecord>) -> Resu
 
 /// The stages of one run by name.
 fn lower_run(
-    (arm, name): (&Arm, &str),
+    arm: &Arm,
+    name: &str,
     forms: &mut [Form],
     nodes: &mut Nodes,
 ) -> Result<BTreeMap<String, Fingerprint>, PlanError> {

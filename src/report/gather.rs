@@ -245,7 +245,7 @@ fn stages(job: &Job, record: &ArmRecord) -> Result<Vec<StageRecord>, WorkError> 
             records.push(StageRecord {
                 stage: stage.clone(),
                 fingerprint: node.fingerprint.to_string(),
-                fields: spec_fields((node.kind, stage), &fields),
+                fields: spec_fields(node.kind, stage, &fields),
                 inputs: inputs.collect(),
                 tool_version: manifest.provenance.tool,
                 commit: manifest.provenance.commit,
@@ -260,7 +260,7 @@ fn stages(job: &Job, record: &ArmRecord) -> Result<Vec<StageRecord>, WorkError> 
 
 /// The declared fields of a stage as paths in the spec: `evaluate` of the stage `evaluate.nominal` is that
 /// table, and the environment of a fine-tuning has some keys of its own.
-fn spec_fields((kind, stage): (StageKind, &str), spec: &Table) -> Vec<String> {
+fn spec_fields(kind: StageKind, stage: &str, spec: &Table) -> Vec<String> {
     let declared = kind.facts().fields.iter();
     match kind {
         StageKind::Evaluate | StageKind::Export | StageKind::Transfer => {
@@ -351,7 +351,7 @@ mod tests {
             ),
         ]);
         let Value::Table(spec) = spec else { panic!("a table") };
-        let read = spec_fields((StageKind::Env, TUNED_ENV), &spec);
+        let read = spec_fields(StageKind::Env, TUNED_ENV, &spec);
         for path in [
             "reward.torque.k",
             "fine_tune.weights.torque",
@@ -366,7 +366,7 @@ mod tests {
         let replaced =
             ["reward", "reward.torque.weight", "physics", "physics.engine", "terrain", "fine_tune.std"];
         assert!(!read.iter().any(|own| replaced.contains(&own.as_str())), "{read:?}");
-        assert!(spec_fields((StageKind::Env, "env"), &spec).contains(&"reward".to_owned()));
-        assert_eq!(spec_fields((StageKind::Evaluate, "evaluate.nominal"), &spec), ["evaluate.nominal"]);
+        assert!(spec_fields(StageKind::Env, "env", &spec).contains(&"reward".to_owned()));
+        assert_eq!(spec_fields(StageKind::Evaluate, "evaluate.nominal", &spec), ["evaluate.nominal"]);
     }
 }

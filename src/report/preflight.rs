@@ -48,7 +48,7 @@ impl Preflight<'_> {
                 );
                 continue;
             }
-            let mistakes = check(self.environment, (&name, &template, source), &self.variables, &bound);
+            let mistakes = check(self.environment, &name, &template, source, &self.variables, &bound);
             self.found.extend(mistakes);
             bound.extend(bound_names(&template.text));
             for reference in references(&template.text, &self.syntax) {
@@ -88,7 +88,9 @@ impl Preflight<'_> {
 /// defines before including this one.
 fn check(
     environment: &Environment,
-    (name, template, source): (&str, &Template, SourceId),
+    name: &str,
+    template: &Template,
+    source: SourceId,
     variables: &Value,
     bound: &BTreeSet<String>,
 ) -> Vec<Diagnostic> {

@@ -51,7 +51,7 @@ pub fn render(
 pub fn check(name: &str, templates: &Templates, sources: &mut Sources) -> Vec<Diagnostic> {
     let environment = environment(templates);
     let page = Page::default();
-    let found = preflights(&environment, name, (&page, templates), sources);
+    let found = preflights(&environment, name, &page, templates, sources);
     if found.iter().any(|diagnostic| diagnostic.severity == Severity::Error) {
         return found;
     }
@@ -76,7 +76,8 @@ fn is_endless(error: &minijinja::Error) -> bool {
 fn preflights(
     environment: &Environment,
     name: &str,
-    (page, templates): (&Page, &Templates),
+    page: &Page,
+    templates: &Templates,
     sources: &mut Sources,
 ) -> Vec<Diagnostic> {
     let first = match templates.get(name) {
@@ -102,7 +103,7 @@ fn markdown(
     sources: &mut Sources,
 ) -> Result<String, Vec<Diagnostic>> {
     let environment = environment(templates);
-    let diagnostics = preflights(&environment, name, (page, templates), sources);
+    let diagnostics = preflights(&environment, name, page, templates, sources);
     if diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error) {
         return Err(diagnostics);
     }

@@ -167,26 +167,26 @@ fn base(text: &mut String, robot: &Robot, friction: f64) {
     shapes(text, &robot.base, 6);
     for (index, link) in robot.links.iter().enumerate() {
         if link.parent.is_none() {
-            branch(text, (robot, friction), index, 6);
+            branch(text, robot, friction, index, 6);
         }
     }
     line(text, format_args!("    </body>"));
 }
 
 /// A link with all its descendants.
-fn branch(text: &mut String, (robot, friction): (&Robot, f64), index: usize, indent: usize) {
+fn branch(text: &mut String, robot: &Robot, friction: f64, index: usize, indent: usize) {
     let link = &robot.links[index];
     let name = attribute(&link.body.name);
     line(text, format_args!("{:indent$}<body name=\"{name}\" {}>", "", place(&link.joint.origin)));
     joint(text, &link.joint, indent + 2);
     inertial(text, &link.body, indent + 2);
     match robot.feet.iter().position(|foot| foot.link == index) {
-        Some(side) => sole(text, SOLES[side], (&robot.feet[side], friction), indent + 2),
+        Some(side) => sole(text, SOLES[side], &robot.feet[side], friction, indent + 2),
         None => shapes(text, &link.body, indent + 2),
     }
     for (child, link) in robot.links.iter().enumerate() {
         if link.parent == Some(index) {
-            branch(text, (robot, friction), child, indent + 2);
+            branch(text, robot, friction, child, indent + 2);
         }
     }
     line(text, format_args!("{:indent$}</body>", ""));
@@ -194,7 +194,7 @@ fn branch(text: &mut String, (robot, friction): (&Robot, f64), index: usize, ind
 
 /// The box of a sole. A foot's friction is a factor on the ground's; its priority makes the product the
 /// pair's coefficient, because MuJoCo takes the larger of the two at equal priorities.
-fn sole(text: &mut String, name: &str, (foot, friction): (&Foot, f64), indent: usize) {
+fn sole(text: &mut String, name: &str, foot: &Foot, friction: f64, indent: usize) {
     let (size, centre) = (vector(&foot.half_extents), vector(&foot.centre.coords));
     let own = match foot.friction {
         1.0 => String::new(),

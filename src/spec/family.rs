@@ -101,7 +101,7 @@ impl Family {
         let mut gathering = Gathering { desk, family: Self::default(), seen: BTreeSet::new() };
         let identity = gathering.desk.files.identity(path);
         let member = gathering.member(path, identity.clone(), text)?;
-        gathering.take((path, identity), member, &mut Vec::new());
+        gathering.take(path, identity, member, &mut Vec::new());
         Some(gathering.family)
     }
 
@@ -145,7 +145,7 @@ type Chain = Vec<(PathBuf, PathBuf)>;
 
 impl Gathering<'_, '_> {
     /// Adds a file after its parents.
-    fn take(&mut self, (path, identity): (&Path, PathBuf), member: Arc<Member>, chain: &mut Chain) {
+    fn take(&mut self, path: &Path, identity: PathBuf, member: Arc<Member>, chain: &mut Chain) {
         self.seen.insert(identity.clone());
         chain.push((identity, path.to_owned()));
         self.parents(path, &member.header.extends, chain);
@@ -161,7 +161,7 @@ impl Gathering<'_, '_> {
             self.family.incomplete = true;
         }
         for (parent, place) in parents.iter().take(MOST_PARENTS) {
-            let complete = self.parent(path, (parent, *place), chain);
+            let complete = self.parent(path, parent, *place, chain);
             self.family.incomplete |= !complete;
         }
     }
@@ -204,7 +204,7 @@ impl Gathering<'_, '_> {
     }
 
     /// Adds a parent unless it was added already.
-    fn parent(&mut self, child: &Path, (name, place): (&str, Span), chain: &mut Chain) -> bool {
+    fn parent(&mut self, child: &Path, name: &str, place: Span, chain: &mut Chain) -> bool {
         let path = beside(child, name);
         if let Some(refusal) = self.desk.reach.refusal(self.desk.files, &path) {
             self.desk.sink.emit(refusal.at(place, "not read"));
@@ -230,12 +230,12 @@ impl Gathering<'_, '_> {
             return false;
         }
         if let Some(known) = self.desk.library.members.get(&identity).cloned() {
-            return known.map(|member| self.take((&path, identity), member, chain)).is_some();
+            return known.map(|member| self.take(&path, identity, member, chain)).is_some();
         }
         match file::read(self.desk.files, &path) {
             Ok(text) => {
                 let member = self.member(&path, identity.clone(), text);
-                member.map(|member| self.take((&path, identity), member, chain)).is_some()
+                member.map(|member| self.take(&path, identity, member, chain)).is_some()
             }
             Err(error) => {
                 let code = if error.code == "E0004" { "E0601" } else { error.code };

@@ -59,7 +59,7 @@ impl Gathered {
     pub fn load(&self, files: &dyn Files, options: &LoadOptions, vocabulary: &Vocabulary) -> Loaded {
         let (sources, sink) = (self.sources.clone(), self.sink.clone());
         let mut loading =
-            Loading::with((files, &self.path), options, vocabulary, (self.forms.clone(), sources, sink));
+            Loading::with(files, &self.path, options, vocabulary, self.forms.clone(), sources, sink);
         let experiment = self.merged.clone().map(|merged| loading.experiment(&self.path, merged));
         let Loading { sources, mut sink, .. } = loading;
         sort(&mut sink);
@@ -124,16 +124,19 @@ impl<'a> Loading<'a> {
         options: &'a LoadOptions,
         vocabulary: &'a Vocabulary,
     ) -> Self {
-        let state = (vocabulary.forms(), Sources::default(), Sink::default());
-        Self::with((files, spec), options, vocabulary, state)
+        let (sources, sink) = (Sources::default(), Sink::default());
+        Self::with(files, spec, options, vocabulary, vocabulary.forms(), sources, sink)
     }
 
     /// With existing texts and diagnostics.
     fn with(
-        (files, spec): (&'a dyn Files, &Path),
+        files: &'a dyn Files,
+        spec: &Path,
         options: &'a LoadOptions,
         vocabulary: &'a Vocabulary,
-        (forms, sources, sink): (Forms, Sources, Sink),
+        forms: Forms,
+        sources: Sources,
+        sink: Sink,
     ) -> Self {
         Self {
             files,
@@ -296,8 +299,8 @@ impl<'a> Loading<'a> {
         experiment.table.remove("allow");
         experiment.compare = compared(&experiment, &self.sources);
         experiment.baselines = baselines(&experiment, &self.sources);
-        experiment.robot = self.attach(&experiment, ("robot", "model"), &robots(self.vocabulary));
-        experiment.motion = self.attach(&experiment, ("task", "motion"), &motions(self.vocabulary));
+        experiment.robot = self.attach(&experiment, "robot", "model", &robots(self.vocabulary));
+        experiment.motion = self.attach(&experiment, "task", "motion", &motions(self.vocabulary));
         experiment
     }
 
@@ -305,7 +308,8 @@ impl<'a> Loading<'a> {
     fn attach(
         &mut self,
         experiment: &Experiment,
-        (section, key): (&str, &str),
+        section: &str,
+        key: &str,
         shelf: &Shelf<'_>,
     ) -> Option<Attachment> {
         let name = experiment.section(section)?.text_if(key)?;

@@ -24,7 +24,7 @@ pub fn findings(spec: &Checked, file: &Path, options: &LoadOptions, checker: &mu
             continue;
         }
         seen.push(identity(path));
-        if let Some(error) = no_suite(path, (spec, entry)) {
+        if let Some(error) = no_suite(path, spec, entry) {
             found.push(Findings::of(spec.sources.clone(), vec![error]).in_file(file));
             continue;
         }
@@ -33,7 +33,7 @@ pub fn findings(spec: &Checked, file: &Path, options: &LoadOptions, checker: &mu
         if other.sink.has_errors() {
             let told = format!("`{}` compares itself with {}", experiment.name, path.display());
             found.push(errors(other, &told).in_file(path));
-        } else if let Some(error) = no_parent(&other, (spec, entry)) {
+        } else if let Some(error) = no_parent(&other, spec, entry) {
             found.push(Findings::of(spec.sources.clone(), vec![error]).in_file(file));
         } else {
             if let Some(error) = same_results(spec, &other, entry) {
@@ -55,7 +55,7 @@ fn same_results(spec: &Checked, other: &Checked, entry: usize) -> Option<Diagnos
     }
     let arms = [plain_arm(spec)?, plain_arm(other)?];
     let error = same_results::specs(&lower(&arms, None).ok()?, &arms[0].name, &arms[1].name)?;
-    Some(at_entry(error, (spec, entry)))
+    Some(at_entry(error, spec, entry))
 }
 
 /// The errors of a spec, with a sentence that names the spec comparing itself with it.
@@ -92,21 +92,25 @@ fn namesakes(spec: &Checked, others: &[Checked]) -> Vec<Findings> {
 }
 
 /// E0606 for an entry that is a suite.
-pub fn no_suite(file: &Path, by: (&Checked, usize)) -> Option<Diagnostic> {
+pub fn no_suite(file: &Path, by: &Checked, entry: usize) -> Option<Diagnostic> {
     is_suite(file).then(|| {
         let message = format!("`{}` is a suite, and a spec is compared with specs", escape::file(file));
-        at_entry(Diagnostic::error("E0606", message).help("name one of the specs that the suite varies"), by)
+        at_entry(
+            Diagnostic::error("E0606", message).help("name one of the specs that the suite varies"),
+            by,
+            entry,
+        )
     })
 }
 
 /// E0606 for an entry that is only a parent.
-pub fn no_parent(other: &Checked, by: (&Checked, usize)) -> Option<Diagnostic> {
+pub fn no_parent(other: &Checked, by: &Checked, entry: usize) -> Option<Diagnostic> {
     let reason = other.experiment.as_ref().and_then(|experiment| unrunnable(experiment, &other.sources))?;
-    Some(at_entry(Diagnostic { labels: Vec::new(), ..reason }, by))
+    Some(at_entry(Diagnostic { labels: Vec::new(), ..reason }, by, entry))
 }
 
 /// A diagnostic at an entry of a spec's `report.compare`.
-pub fn at_entry(diagnostic: Diagnostic, (by, entry): (&Checked, usize)) -> Diagnostic {
+pub fn at_entry(diagnostic: Diagnostic, by: &Checked, entry: usize) -> Diagnostic {
     let marks = by.experiment.as_ref().map(|experiment| &experiment.marks);
     match marks.and_then(|marks| marks.nearest(&format!("report.compare.{entry}"))) {
         Some(mark) => diagnostic.at(mark.value, "compared with here"),

@@ -88,7 +88,7 @@ pub fn read(files: &[PathBuf], options: &LoadOptions, log: &mut Log) -> Result<S
     let study = lowered(&arms, reported, project, located, log)?;
     let same = |Entry { by, place, other }: &Entry| {
         let error = same_results::specs(&study.plan, &arms[*by].name, &arms[*other].name)?;
-        Some(Findings::of(specs[*by].sources.clone(), vec![compared::at_entry(error, (&specs[*by], *place))]))
+        Some(Findings::of(specs[*by].sources.clone(), vec![compared::at_entry(error, &specs[*by], *place)]))
     };
     let same: Vec<Findings> = entries.iter().filter_map(same).collect();
     same.into_iter().try_for_each(|found| log.add(found))?;
@@ -134,7 +134,7 @@ fn comparable(
     log: &mut Log,
 ) -> Result<Checked, Refusal> {
     if let Some((by, entry)) = by
-        && let Some(error) = compared::no_suite(file, (by, entry))
+        && let Some(error) = compared::no_suite(file, by, entry)
     {
         log.add(Findings::of(by.sources.clone(), vec![error]).in_file(file))?;
     }
@@ -148,7 +148,7 @@ fn comparable(
     })?;
     // A parent may be incomplete, so the error is only that it cannot be run.
     let (sources, reason) = match by {
-        Some(by) => (&by.0.sources, compared::no_parent(&checked, by)),
+        Some((by, entry)) => (&by.sources, compared::no_parent(&checked, by, entry)),
         None => {
             let experiment = checked.experiment.as_ref();
             (&checked.sources, experiment.and_then(|experiment| unrunnable(experiment, &checked.sources)))

@@ -48,12 +48,12 @@ fn merge_at(parent: &mut Map, child: &Map, forms: &Forms, place: Place) {
             None => {
                 parent.entries.insert(key.clone(), entry.clone());
             }
-            Some(old) => merge_entry(old, (key, entry), forms, place),
+            Some(old) => merge_entry(old, key, entry, forms, place),
         }
     }
 }
 
-fn merge_entry(old: &mut Entry, (key, new): (&str, &Entry), forms: &Forms, place: Place) {
+fn merge_entry(old: &mut Entry, key: &str, new: &Entry, forms: &Forms, place: Place) {
     let same = old.node.span == new.node.span && old.node == new.node;
     if same {
         return;

@@ -86,7 +86,8 @@ fn report(text: &str, source: SourceId, errors: &[toml::de::Error], sink: &mut S
                     diagnostic.at(place, ""),
                     error.message(),
                     &text[line.clone()],
-                    (source, line.start),
+                    source,
+                    line.start,
                 ));
             }
             continue;
@@ -112,10 +113,10 @@ fn report(text: &str, source: SourceId, errors: &[toml::de::Error], sink: &mut S
 }
 
 /// A syntax error with advice, if the line shows what was probably intended.
-fn advised(error: Diagnostic, message: &str, line: &str, (source, start): (SourceId, usize)) -> Diagnostic {
+fn advised(error: Diagnostic, message: &str, line: &str, source: SourceId, start: usize) -> Diagnostic {
     if let Some((key, value)) = assigned(line).filter(|(_, value)| is_plain(&line[value.clone()])) {
         let place = Span { source, start: start + value.start, end: start + value.end };
-        return meant(error, (key, &line[value]), place);
+        return meant(error, key, &line[value], place);
     }
     if line.trim_start().starts_with('[') && !line.contains(']') {
         let header = line.split('#').next().unwrap_or_default().trim();
@@ -149,7 +150,7 @@ fn is_plain(value: &str) -> bool {
 }
 
 /// Advice for a value that is empty, a word of another language, or only lacks its quotes: `4 ms`, `torque`.
-fn meant(error: Diagnostic, (key, value): (&str, &str), place: Span) -> Diagnostic {
+fn meant(error: Diagnostic, key: &str, value: &str, place: Span) -> Diagnostic {
     if value.is_empty() {
         return error.help(format!("`{key}` has no value: write one, or remove the line"));
     }

@@ -344,7 +344,7 @@ pub fn units(claim: &Claim, statistic: &StatisticKind, metric: &MetricKind, sink
     let margin = claim.margin.as_ref().map(|margin| ("margin", margin));
     let offset = claim.expect.offset.as_ref().map(|offset| ("expect.offset", offset));
     for (key, quantity) in [number, within, margin, offset].into_iter().flatten() {
-        unit(claim, (key, quantity), (metric, expected), sink);
+        unit(claim, key, quantity, metric, expected, sink);
     }
     // The dimension of the metric itself, whatever the test computes from it.
     let measured = if is_ratio { Dimension::NONE } else { metric.dimension };
@@ -353,14 +353,16 @@ pub fn units(claim: &Claim, statistic: &StatisticKind, metric: &MetricKind, sink
     let number = claim.paper.as_ref().and_then(|paper| paper.number.as_ref());
     let number = number.map(|number| ("paper.number", number));
     for (key, quantity) in [spread, effect, number].into_iter().flatten() {
-        unit(claim, (key, quantity), (metric, measured), sink);
+        unit(claim, key, quantity, metric, measured, sink);
     }
 }
 
 fn unit(
     claim: &Claim,
-    (key, number): (&str, &Quantity),
-    (metric, expected): (&MetricKind, Dimension),
+    key: &str,
+    number: &Quantity,
+    metric: &MetricKind,
+    expected: Dimension,
     sink: &mut Sink,
 ) {
     let bare = number.text.trim().replace('_', "").parse::<f64>().is_ok();

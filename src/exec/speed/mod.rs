@@ -153,10 +153,10 @@ pub fn measure(
     settings.warm_up = 0;
     let rollout = shares(blueprint, engine.clone(), &settings)?;
     let turns = scaling::turns(blueprint, &engine, &settings, threads)?;
-    let alone = training(blueprint, &engine, &settings, (scratch, "one", 1))?;
+    let alone = training(blueprint, &engine, &settings, scratch, "one", 1)?;
     let together = match threads {
         1 => alone.clone(),
-        _ => training(blueprint, &engine, &settings, (scratch, "all", threads))?,
+        _ => training(blueprint, &engine, &settings, scratch, "all", threads)?,
     };
     let (rollout_samples_per_s, rollout_scaling) = turns.rollouts(settings.batch());
     let scaling = turns.scaling(settings.batch(), &alone, &together, threads);
@@ -257,7 +257,9 @@ fn training(
     blueprint: &Blueprint,
     engine: &Arc<dyn Engine>,
     settings: &Settings,
-    (scratch, name, threads): (&Path, &str, usize),
+    scratch: &Path,
+    name: &str,
+    threads: usize,
 ) -> Result<Seen, SpeedError> {
     let scratch = scratch.join(name);
     std::fs::create_dir_all(&scratch)

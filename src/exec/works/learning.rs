@@ -60,7 +60,7 @@ impl Work for Learner {
             true => Some(network(job, "pretrain", "actor")?),
             false => None,
         };
-        trained(job, (&blueprint, &settings), Start { actor: pretrained.as_ref(), critic: None })
+        trained(job, &blueprint, &settings, Start { actor: pretrained.as_ref(), critic: None })
     }
 }
 
@@ -74,12 +74,12 @@ impl Work for FineTune {
         let step = 1.0 / blueprint.control_rate();
         let settings = Settings::fine_tuning(&part(job)?, tuning, blueprint.deviations(), step);
         let (actor, critic) = (network(job, "learner", "actor")?, network(job, "learner", "critic")?);
-        trained(job, (&blueprint, &settings), Start { actor: Some(&actor), critic: Some(&critic) })
+        trained(job, &blueprint, &settings, Start { actor: Some(&actor), critic: Some(&critic) })
     }
 }
 
 /// Trains, and writes the results.
-fn trained(job: &Job, (blueprint, settings): (&Blueprint, &Settings), start: Start) -> Result<(), WorkError> {
+fn trained(job: &Job, blueprint: &Blueprint, settings: &Settings, start: Start) -> Result<(), WorkError> {
     let training = Training {
         settings,
         start,

@@ -17,7 +17,8 @@ const PROBED: usize = 256;
 pub fn measure(
     metrics: &mut UpdateMetrics,
     records: &[&Records],
-    (outputs, std): (&[Output], &[f64]),
+    outputs: &[Output],
+    std: &[f64],
     actor: &Inference,
 ) {
     let actions = actions(records, outputs);

@@ -18,7 +18,7 @@ pub fn table(judged: &[Judged]) -> Table {
     for claim in judged {
         if claim.cases.is_empty() || !claim.alternatives.is_empty() {
             let sources = claim.cases.iter().flat_map(|case| case.sources.clone()).collect();
-            table.row_from((&claim.id, &format!("`{}`", claim.id)), row(claim, None), sources);
+            table.row_from(&claim.id, &format!("`{}`", claim.id), row(claim, None), sources);
         }
         for case in &claim.cases {
             let (name, label) = match case.label.as_str() {
@@ -27,7 +27,7 @@ pub fn table(judged: &[Judged]) -> Table {
                     (format!("{}/{label}", claim.id), format!("`{}`, {}", claim.id, arm_in_words(label)))
                 }
             };
-            table.row_from((&name, &label), row(claim, Some(case)), case.sources.clone());
+            table.row_from(&name, &label, row(claim, Some(case)), case.sources.clone());
         }
     }
     table.sources =

@@ -175,7 +175,7 @@ fn survivors(groups: &[Group<'_>], stage: &str) -> Table {
             Estimate::mean(&alive, "", 1, &name).into(),
             Estimate::maybe(deviation(&alive), "", 1).into(),
         ];
-        table.row_from((group.name, &arm_in_words(group.name)), cells, sources(&tried, stage));
+        table.row_from(group.name, &arm_in_words(group.name), cells, sources(&tried, stage));
     }
     table.sources = super::table::sources(groups, stage);
     table
@@ -241,7 +241,7 @@ fn pair(table: &mut Table, stage: &str, arms: [&Group<'_>; 2], runs: [(&Arm, &Ev
         Estimate::mean(&common, "", 1, &format!("{name}/{stage}/common")).into(),
     ];
     let label = format!("{} minus {}, {seeds}", arm_in_words(arms[0].name), arm_in_words(arms[1].name));
-    table.row_from((&name, &label), cells, sources(&runs, stage));
+    table.row_from(&name, &label, cells, sources(&runs, stage));
 }
 
 /// Why sets fail: one row per arm and parameter.
@@ -263,7 +263,8 @@ fn causes(groups: &[Group<'_>], stage: &str, found: &[Found]) -> Table {
                 .map(|numbers| Cell::from(estimate(&numbers[at])));
             let name = format!("{}/{parameter}", group.name);
             table.row_from(
-                (&name, &format!("{}: {parameter}", arm_in_words(group.name))),
+                &name,
+                &format!("{}: {parameter}", arm_in_words(group.name)),
                 cells,
                 sources(&tried, stage),
             );

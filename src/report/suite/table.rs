@@ -139,7 +139,7 @@ pub fn learning(groups: &[Group<'_>], training: Training) -> Table {
             Estimate::mean(&cpu, "s", 0, &name("cpu")).into(),
         ];
         let of_arm = sources(std::slice::from_ref(group), training.stage());
-        table.row_from((group.name, &arm_in_words(group.name)), cells, of_arm);
+        table.row_from(group.name, &arm_in_words(group.name), cells, of_arm);
     }
     table.sources = sources(groups, training.stage());
     table
@@ -172,7 +172,7 @@ pub fn outcomes(groups: &[Group<'_>], figures: &[String]) -> Vec<Table> {
     let cell = |group: &Group<'_>, stage: &str, metric: &Metric| {
         Estimate::mean(&values(group, stage, metric.name), metric.unit, metric.digits, metric.name)
     };
-    per_stage((groups, figures), "", cell)
+    per_stage(groups, figures, "", cell)
 }
 
 /// Interquartile means of the same for arms with at least four seeds; with fewer they equal the means.
@@ -185,11 +185,12 @@ pub fn interquartile(groups: &[Group<'_>], figures: &[String]) -> Vec<Table> {
         let estimate = Estimate::maybe(interquartile_mean(&values), metric.unit, metric.digits);
         Estimate { n: Some(values.len()), ..estimate }
     };
-    per_stage((groups, figures), "interquartile means of ", cell)
+    per_stage(groups, figures, "interquartile means of ", cell)
 }
 
 fn per_stage(
-    (groups, figures): (&[Group<'_>], &[String]),
+    groups: &[Group<'_>],
+    figures: &[String],
     what: &str,
     cell: impl Fn(&Group<'_>, &str, &Metric) -> Estimate,
 ) -> Vec<Table> {
@@ -224,7 +225,7 @@ fn per_stage(
             let cells = metrics.iter().map(|metric| Cell::from(cell(group, stage, metric)));
             let cells = [Cell::Text(seeds.to_string())].into_iter().chain(cells);
             let of_arm = sources(std::slice::from_ref(group), stage);
-            table.row_from((group.name, &arm_in_words(group.name)), cells, of_arm);
+            table.row_from(group.name, &arm_in_words(group.name), cells, of_arm);
         }
         table.sources = sources(groups, stage);
         table.note = note(groups, stage);

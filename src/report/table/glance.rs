@@ -42,7 +42,7 @@ pub fn of_arms(input: &ReportInput) -> Table {
         } else {
             cells.push(task_metric(column.arm, &measured));
         }
-        table.row_from(("", &column.label), cells.into_iter().map(Cell::Text), vec![column.source()]);
+        table.row_from("", &column.label, cells.into_iter().map(Cell::Text), vec![column.source()]);
     }
     table
 }
@@ -67,7 +67,7 @@ pub fn of_claims(judged: &[Judged]) -> Table {
         cells.push(format!("**{}**", judged.verdict.word()));
         let sources = judged.cases.iter().flat_map(|case| case.sources.clone()).collect();
         let label = judged.text.trim_end_matches('.');
-        table.row_from((&judged.id, label), cells.into_iter().map(Cell::Text), sources);
+        table.row_from(&judged.id, label, cells.into_iter().map(Cell::Text), sources);
     }
     table
 }

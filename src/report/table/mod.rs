@@ -92,7 +92,8 @@ impl Table {
     /// Adds a row with the stages it is made from.
     pub fn row_from(
         &mut self,
-        (name, label): (&str, &str),
+        name: &str,
+        label: &str,
         cells: impl IntoIterator<Item = Cell>,
         sources: Vec<Source>,
     ) {

@@ -128,7 +128,7 @@ impl<'a> Intake<'a> {
     }
 
     /// Reports a word that is not a number; a systematic mistake is reported once.
-    fn unreadable(&mut self, (element, key): (&Element, &str), word: &str, fault: Fault) {
+    fn unreadable(&mut self, element: &Element, key: &str, word: &str, fault: Fault) {
         let place = element.place(key);
         let habit = (fault, element.name.clone(), key.to_owned());
         if let Some(Habit { places, .. }) = self.habits.get_mut(&habit) {
@@ -324,7 +324,7 @@ impl<'a> Intake<'a> {
             match number(word) {
                 Ok(number) => numbers.push(number),
                 Err(fault) => {
-                    self.unreadable((element, key), word, fault);
+                    self.unreadable(element, key, word, fault);
                     return None;
                 }
             }

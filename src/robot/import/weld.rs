@@ -51,7 +51,7 @@ fn welded(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Result<Welded,
         let (owner, carrier) = part.parent.map_or((None, root.pose.inverse()), |parent| places[parent]);
         // Exactly the base's own frame.
         let pose = if index == root.body { Isometry3::identity() } else { carrier * part.pose };
-        let place = welded.take(part, kept, (owner, &pose));
+        let place = welded.take(part, kept, owner, &pose);
         if part.weight == Weight::Unknown {
             welded.unweighed.entry(place.0).or_default().push(part.body.name.clone());
         }
@@ -106,7 +106,8 @@ impl Welded {
         &mut self,
         part: &Part,
         kept: bool,
-        (owner, pose): (Owner, &Isometry3<f64>),
+        owner: Owner,
+        pose: &Isometry3<f64>,
     ) -> (Owner, Isometry3<f64>) {
         let place = match &part.hinge {
             Some(hinge) if kept => {

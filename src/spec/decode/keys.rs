@@ -59,7 +59,7 @@ impl Decoder<'_> {
                 let names = || params.iter().copied().flatten().map(|param| param.name);
                 let all: Vec<&str> = names().chain(reserved.iter().copied()).collect();
                 let free: Vec<&str> = all.iter().copied().filter(|name| !is_written(name)).collect();
-                let diagnostic = self.unknown_key((key, entry), map, all, &free, place);
+                let diagnostic = self.unknown_key(key, entry, map, all, &free, place);
                 meant.extend(range_of(key, entry, map, place));
                 meant.extend(
                     nearest(key, names().filter(|name| free.contains(name)))
@@ -80,7 +80,8 @@ impl Decoder<'_> {
     /// `free`: those of the names that the table does not have yet.
     fn unknown_key(
         &self,
-        (key, entry): (&str, &Entry),
+        key: &str,
+        entry: &Entry,
         map: &Map,
         names: Vec<&str>,
         free: &[&str],

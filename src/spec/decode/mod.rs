@@ -290,7 +290,7 @@ impl<'a> Decoder<'a> {
             return None;
         };
         if let Some(length) = param.length.filter(|length| !length.fits(items.len())) {
-            self.sink.emit(wrong_length(length, items.len(), (item, node), param));
+            self.sink.emit(wrong_length(length, items.len(), item, node, param));
             return None;
         }
         let mut values = Vec::with_capacity(items.len());
@@ -349,7 +349,7 @@ impl<'a> Decoder<'a> {
 }
 
 /// E0103 for a list with too few or too many items.
-fn wrong_length(length: Length, found: usize, (item, node): (&Ty, &Node), param: &Param) -> Diagnostic {
+fn wrong_length(length: Length, found: usize, item: &Ty, node: &Node, param: &Param) -> Diagnostic {
     let found = if found == 0 { "none".to_owned() } else { found.to_string() };
     let message = format!("`{}` takes a list of {length}, found {found}", param.name);
     let form = |names: &[&str]| format!("write `{} = [{}]`", param.name, names.join(", "));

@@ -65,7 +65,7 @@ impl Decoder<'_> {
                     }
                 }
                 Some(false) if self.is_news(&entry.node) => {
-                    self.was_never_on(registry.noun, map, (name, entry))
+                    self.was_never_on(registry.noun, map, name, entry)
                 }
                 Some(false) => self.switched_off(&entry.node, registry, &path, Some((name, entry.key))),
                 None => {}
@@ -119,7 +119,7 @@ impl Decoder<'_> {
     }
 
     /// Reports a term that is disabled but was never defined (E0605).
-    fn was_never_on(&mut self, noun: &str, map: &Map, (name, entry): (&str, &Entry)) {
+    fn was_never_on(&mut self, noun: &str, map: &Map, name: &str, entry: &Entry) {
         if self.sink.is_full("E0605") {
             return;
         }

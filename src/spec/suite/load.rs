@@ -66,7 +66,7 @@ fn suite(path: &Path, loading: &mut Loading<'_>) -> Option<(Suite, Vec<LoadedArm
     let (of_suite, of_arms) = assignments(loading, &parts);
     let seeds = of_suite.get("sweep").and_then(Node::table).and_then(|sweep| sweep.get("seeds"));
     let Report { table: report, figures, baselines } =
-        report(&parts, of_suite.entries.get("report"), (path, loading));
+        report(&parts, of_suite.entries.get("report"), path, loading);
     let sweep = match &parts.sweep {
         Some(entry) => Sweep::decode(entry, seeds.or(parts.profile_seeds.as_ref()), &mut loading.sink),
         None => {
@@ -96,7 +96,7 @@ fn suite(path: &Path, loading: &mut Loading<'_>) -> Option<(Suite, Vec<LoadedArm
     let name = file.header.name.clone().unwrap_or_else(|| "suite".to_owned());
     for cell in &cells {
         let base = bases.known.get(&bases.parents(&sweep, cell)).and_then(Option::as_ref);
-        arms.extend(base.map(|base| arm(&name, (&sweep, cell), base, &of_arms, (path, loading))));
+        arms.extend(base.map(|base| arm(&name, &sweep, cell, base, &of_arms, path, loading)));
     }
     let suite = Suite {
         path: path.to_owned(),
@@ -163,7 +163,7 @@ struct Report {
 }
 
 /// The section `[report]`, with its assignments.
-fn report(parts: &Parts, set: Option<&Entry>, (suite, loading): (&Path, &mut Loading<'_>)) -> Report {
+fn report(parts: &Parts, set: Option<&Entry>, suite: &Path, loading: &mut Loading<'_>) -> Report {
     let place = parts.member.header.suite.unwrap_or(Span { source: parts.member.source, start: 0, end: 0 });
     let mut own = parts.report.clone().unwrap_or_else(|| {
         let node = Node { span: place, layer: Layer::Default, item: Item::Table(Map::default()) };
@@ -302,10 +302,12 @@ fn points<'a>(sweep: &'a Sweep, cell: &'a Cell) -> impl Iterator<Item = (&'a str
 
 fn arm(
     suite: &str,
-    (sweep, cell): (&Sweep, &Cell),
+    sweep: &Sweep,
+    cell: &Cell,
     base: &Merged,
     sets: &[Map],
-    (path, loading): (&Path, &mut Loading<'_>),
+    path: &Path,
+    loading: &mut Loading<'_>,
 ) -> LoadedArm {
     let idle = idle(sweep, cell, base, loading);
     let taken: Vec<(&str, &Point)> = points(sweep, cell)

@@ -119,12 +119,12 @@ fn item(what: &str, owners: &[String]) -> String {
 /// The lines for a URDF file.
 pub(super) fn urdf(root: &Element) -> Vec<String> {
     let mut census = Census::new(urdf::TABLE);
-    elements(&mut census, root, ("robot", ""), &root.space);
+    elements(&mut census, root, "robot", "", &root.space);
     census.lines()
 }
 
 /// Counts a URDF element and its contents.
-fn elements(census: &mut Census, element: &Element, (path, owner): (&str, &str), space: &str) {
+fn elements(census: &mut Census, element: &Element, path: &str, owner: &str, space: &str) {
     if element.space != *space {
         census.count(Group::Extensions, format!("<{}>", element.name), owner);
         return;
@@ -141,7 +141,7 @@ fn elements(census: &mut Census, element: &Element, (path, owner): (&str, &str),
         if again || (element.name == "geometry" && index > 0) {
             census.count(Group::Second, format!("<{}>", child.name), named);
         } else {
-            elements(census, child, (&format!("{path}/{}", child.name), named), space);
+            elements(census, child, &format!("{path}/{}", child.name), named, space);
         }
     }
 }

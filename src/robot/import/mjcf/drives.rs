@@ -204,10 +204,11 @@ impl Drives {
 pub(super) fn bound(
     range: &str,
     limited: &str,
-    (element, settings): (&Element, &Settings),
+    element: &Element,
+    settings: &Settings,
     intake: &mut Intake,
 ) -> Option<f64> {
-    let [low, high] = limits(range, limited, (element, settings), intake)?;
+    let [low, high] = limits(range, limited, element, settings, intake)?;
     let bound = low.abs().min(high.abs());
     if bound > 0.0 && (low + high).abs() > 1e-9 * high.abs() {
         intake.note(format!(
@@ -222,7 +223,8 @@ pub(super) fn bound(
 pub(super) fn limits(
     range: &str,
     limited: &str,
-    (element, settings): (&Element, &Settings),
+    element: &Element,
+    settings: &Settings,
     intake: &mut Intake,
 ) -> Option<[f64; 2]> {
     let range: [f64; 2] = intake.vector(element, range)?;
@@ -236,7 +238,7 @@ pub(super) fn limits(
 fn actuator(element: &Element, settings: &Settings, intake: &mut Intake) -> Actuator {
     let gear = intake.numbers(element, "gear").and_then(|gear| gear.first().copied()).unwrap_or(1.0).abs();
     let gear_squared = gear * gear;
-    let force = bound("forcerange", "forcelimited", (element, settings), intake);
+    let force = bound("forcerange", "forcelimited", element, settings, intake);
     let passive = intake.numbers(element, "damping").unwrap_or_default();
     if passive.iter().skip(1).any(|number| *number != 0.0) {
         intake.note(format!("<{}>: of its damping only the linear part is taken", element.name));
@@ -245,7 +247,7 @@ fn actuator(element: &Element, settings: &Settings, intake: &mut Intake) -> Actu
     // A servo's control is a position or speed, whose range does not limit torque.
     let commanded = law
         .gain
-        .and_then(|gain| Some(bound("ctrlrange", "ctrllimited", (element, settings), intake)? * gain.abs()));
+        .and_then(|gain| Some(bound("ctrlrange", "ctrllimited", element, settings, intake)? * gain.abs()));
     let effort = [force, commanded].into_iter().flatten().reduce(f64::min);
     let effort = if gear == 0.0 { Some(0.0) } else { effort };
     let Servo { stiffness, damping, ratio } = if gear == 0.0 { Servo::default() } else { law.servo };

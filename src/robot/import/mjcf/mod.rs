@@ -441,14 +441,14 @@ impl Walk<'_, '_, '_> {
                     .help("write it as 0 1 0"),
             );
         }
-        let range = drives::limits("range", "limited", (joint, settings), intake);
+        let range = drives::limits("range", "limited", joint, settings, intake);
         let is_hinge = other.is_none();
         let angle = if joint.text("type") == Some("slide") { 1.0 } else { settings.angle };
         let given: Option<[f64; 2]> = intake.vector(joint, "range");
         let void_range = given
             .filter(|given| range.is_none() && given[0] < given[1])
             .map(|given| given.map(|end| angle * end));
-        let own = drives::bound("actuatorfrcrange", "actuatorfrclimited", (joint, settings), intake);
+        let own = drives::bound("actuatorfrcrange", "actuatorfrclimited", joint, settings, intake);
         let mut zero = |key: &str| {
             // Newer files may have a polynomial in the speed; a robot file only uses its first coefficient.
             let numbers = intake.numbers(joint, key).unwrap_or_default();
