@@ -168,7 +168,8 @@ fn naming(krate: &str) -> Vec<String> {
 #[test]
 fn libtorch_and_the_engines_are_named_only_where_they_live() {
     // The doctor says what libtorch there is, and whether it finds a device; tests compare with its autograd.
-    let torch = ["cli/command/doctor.rs", "learn/backend/tests.rs", "learn/ppo/tests/autograd.rs", "learn/tests.rs"];
+    let torch =
+        ["cli/command/doctor.rs", "learn/backend/tests.rs", "learn/ppo/tests/autograd.rs", "learn/tests.rs"];
     for (krate, home, beside) in
         [("tch", "learn/backend/torch/", &torch[..]), ("rapier3d", "sim/", &[]), ("mujoco_rs", "sim/", &[])]
     {
