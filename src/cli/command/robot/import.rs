@@ -227,6 +227,9 @@ fn misses(fills: &[Fill], welded: &Welded) -> Option<String> {
     Some(format!("--fill `{joints}` matches no joint; there are {}", listed(names())))
 }
 
+/// Up to so many meshes that became boxes are printed one by one.
+const FEW_BOXES: usize = 4;
+
 fn summary(path: &Path, welded: &Welded, written: &Written) -> String {
     let shown = escape::file(path);
     let mut text =
@@ -236,7 +239,15 @@ fn summary(path: &Path, welded: &Welded, written: &Written) -> String {
     }
     if !written.notes.is_empty() {
         text += "remarks:\n";
-        written.notes.iter().for_each(|note| text += &one_line(&format!("  {note}")));
+        let (boxes, others): (Vec<&String>, Vec<&String>) =
+            written.notes.iter().partition(|note| note.ends_with(" m") && note.contains(": the mesh "));
+        if boxes.len() > FEW_BOXES {
+            let count = boxes.len();
+            text += &format!("  {count} meshes became the boxes around them; the file lists their sizes\n");
+        } else {
+            boxes.into_iter().for_each(|note| text += &one_line(&format!("  {note}")));
+        }
+        others.into_iter().for_each(|note| text += &one_line(&format!("  {note}")));
     }
     text
 }
@@ -249,10 +260,10 @@ fn next(path: &Path, written: &Written, issues: &[Issue]) -> String {
     let counted = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
     if !written.missing.is_empty() {
         return format!(
-            "{} are not in the source; they are commented lines in the file, listed at its head.\nFill \
+            "missing in the source: {}; commented lines in the file, listed at its head.\nFill \
              them in, then {show} \
-             checks the robot; `--fill KEY=VALUE` fills a figure of all joints.\n",
-            counted(written.missing.len(), "figure")
+             checks the robot; `--fill KEY=VALUE` sets a value for all joints.\n",
+            counted(written.missing.len(), "value")
         );
     }
     one_line(&match (errors, warnings) {
