@@ -14,11 +14,8 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
     let of_arm = |(arm, name): (&Arm, String)| {
         let dead: Vec<String> = dead(arm).iter().map(|term| format!("`reward.{term}`")).collect();
         (!dead.is_empty()).then(|| {
-            let (pay, teach) = if dead.len() == 1 { ("pays", "teaches") } else { ("pay", "teach") };
-            format!(
-                "{name}: {} {pay} less than 1 % of the most possible, and so {teach} nothing.",
-                listed(&dead)
-            )
+            let (pay, teach) = if dead.len() == 1 { ("pays", "it teaches") } else { ("pay", "they teach") };
+            format!("{name}: {} {pay} less than 1 % of the maximum, so {teach} nothing.", listed(&dead))
         })
     };
     input.arms.iter().zip(labels(&input.arms)).filter_map(of_arm).collect()
@@ -72,7 +69,7 @@ mod tests {
         let input = ReportInput { arms: vec![arm], ..ReportInput::default() };
         assert_eq!(
             sentences(&input),
-            ["walk: `reward.torque` pays less than 1 % of the most possible, and so teaches nothing."]
+            ["walk: `reward.torque` pays less than 1 % of the maximum, so it teaches nothing."]
         );
     }
 }

@@ -27,8 +27,8 @@ pub fn warnings(input: &ReportInput) -> Vec<String> {
     }
     warnings.extend(crossing::warnings(&input.arms.iter().collect::<Vec<_>>()));
     warnings.push(format!(
-        "One run (seed) per arm{}: the intervals speak about these policies, not about the methods.",
-        if input.arms.len() > 1 { ", so a difference between the arms may be luck of the seed" } else { "" }
+        "Only one seed{}. The intervals are about these policies, not about the methods.",
+        if input.arms.len() > 1 { " per arm: differences between the arms may be chance" } else { "" }
     ));
     warnings.extend(budgets(input, &names));
     warnings.extend(robots(input));
@@ -256,7 +256,7 @@ mod tests {
     fn one_seed_a_small_budget_and_standing_still_are_said() {
         let with = |samples: u64, budget_share: Option<f64>| of(vec![Arm { budget_share, ..arm(samples) }]);
         let text = with(3_000_000, Some(0.0375));
-        assert!(text.contains("One run (seed)"), "{text}");
+        assert!(text.contains("Only one seed"), "{text}");
         assert!(text.contains("The budget is below the baseline's: walk 3.0 M samples, 3.75 %."), "{text}");
         assert!(text.contains("survives by standing still"), "{text}");
         assert!(!with(80_000_000, Some(1.0)).contains("budget"));

@@ -105,7 +105,7 @@ fn unwell(groups: &[Group<'_>]) -> Option<String> {
 fn seeds(groups: &[Group<'_>]) -> String {
     let count = interval::fewest(groups);
     match (count, interval::of_few(count)) {
-        (0 | 1, _) => "One run (seed) per arm: a difference between arms may be luck of the seed.".to_owned(),
+        (0 | 1, _) => "Only one seed per arm: a difference between arms may be chance.".to_owned(),
         (_, Some(words)) => format!(
             "{count} seeds per arm: a bootstrap interval over them is {words}, and there is no p value to \
              it; look at the single curves."
