@@ -5,6 +5,7 @@
 mod arms;
 
 use arms::{arm, key, plan, set, table, word};
+use specforge::plan::expected::Expected;
 use specforge::plan::{Arm, Plan, StageKind, State, Status, TUNED_ENV, render};
 use specforge::spec::Value;
 
@@ -59,7 +60,7 @@ fn the_text_of_a_plan_says_which_policy_a_stage_takes() {
     )])]);
     let missing = || Status { state: State::Missing, changes: Vec::new(), note: None };
     let statuses = plan.stages().map(|stage| (stage.fingerprint.clone(), missing())).collect();
-    let text = render::text(&plan, &statuses);
+    let text = render::text(&plan, &statuses, &Expected::default());
     let line = |stage: &str| {
         text.lines().find(|line| line.trim_start().starts_with(stage)).unwrap_or_default().to_owned()
     };

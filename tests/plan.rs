@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 use arms::{Fake, arm, execute, key, plan, quantity, set, table, word};
 use specforge::exec::Store;
 use specforge::exec::journal::Past;
+use specforge::plan::expected::Expected;
 use specforge::plan::why::{State, statuses};
 use specforge::plan::{Plan, PlanError, Selection, lower, render};
 
@@ -270,6 +271,39 @@ fn why_names_the_line_of_the_motion_file() {
 }
 
 #[test]
+fn the_times_of_a_plan_are_those_of_like_stages_in_the_store_or_the_projects_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let store = Store::at(folder.path().join("store"));
+    let of_seed = |seed| {
+        let mut arm = arm("torque", "torque");
+        set(&mut arm, "learn.seed", specforge::spec::Value::Count(seed), "--set");
+        set(&mut arm, "learn.rollout", specforge::spec::Value::Count(2000), "--set");
+        set(&mut arm, "action.rate", quantity(125.0, "125 Hz"), "--set");
+        ["evaluate.nominal", "deploy.mujoco"].iter().for_each(|stage| {
+            set(&mut arm, &format!("{stage}.time_limit"), quantity(8.0, "8 s"), "--set");
+        });
+        set(&mut arm, "deploy.mujoco.rate", quantity(2000.0, "2 kHz"), "--set");
+        plan(&[arm])
+    };
+    let (first, second) = (of_seed(1), of_seed(2));
+    let told = |plan: &Plan| {
+        let statuses = statuses(plan, &Past::of(&store, plan));
+        let expected = specforge::exec::forecast::expected(&store, plan, &statuses);
+        render::text(plan, &statuses, &expected)
+    };
+    let before = told(&second);
+    assert!(before.contains("us per sample in rapier (not measured in this store)"), "{before}");
+    // 2 M samples of 29 us and four physics steps of 55.5 us each.
+    assert!(before.contains("8 min 2"), "{before}");
+    assert!(before.contains("docs/experiments/2026-11-26-batch-engine-speed.md"), "{before}");
+    execute(&first, store.root(), &Fake::default(), 2).outcome.expect("the store works");
+    let after = told(&second);
+    assert!(after.contains(" us per sample in rapier on "), "{after}");
+    assert!(after.contains("(1 finished in this store)") && !after.contains("not measured"), "{after}");
+    assert!(!told(&first).contains("core-hours"), "nothing is left to do");
+}
+
+#[test]
 fn a_new_plan_is_missing_and_every_form_of_it_can_be_written() {
     let plan = plan(&[arm("torque", "torque"), arm("position", "position")]);
     let folder = tempfile::tempdir().expect("a folder");
@@ -277,10 +311,10 @@ fn a_new_plan_is_missing_and_every_form_of_it_can_be_written() {
     let statuses = statuses(&plan, &Past::of(&store, &plan));
     assert!(!store.root().exists(), "looking at a store creates nothing");
     assert!(statuses.values().all(|status| status.state == State::Missing));
-    let text = render::text(&plan, &statuses);
+    let text = render::text(&plan, &statuses, &Expected::default());
     assert!(text.contains("shared by torque, position\n  robot "), "{text}");
     assert!(text.ends_with("17 stages: 0 cached, 0 changed, 17 missing\n"), "{text}");
-    let json = render::json(&plan, &statuses);
+    let json = render::json(&plan, &statuses, &Expected::default());
     assert_eq!(json["stages"].as_array().map(Vec::len), Some(17));
     assert_eq!(json["edges"][0]["artefact"], "robot model");
     assert!(render::dot(&plan, &statuses).contains("[label=\"pre-trained actor\"]"));

@@ -8,7 +8,7 @@ use super::conditions::{Condition, conditions};
 use crate::env::{Blueprint, BlueprintError, Randomized};
 use crate::kinds::deploy::Transfer;
 use crate::kinds::evaluate::{Drawn, EPISODES, Evaluation, SEED};
-use crate::spec::typed::Part;
+use crate::spec::typed::{Keys, Part};
 use crate::spec::{Section, Table};
 
 /// A protocol.
@@ -48,9 +48,14 @@ impl Protocol {
     /// The protocol of a decoded `[evaluate.NAME]` table, or of a `[deploy.NAME]` table of kind `transfer`,
     /// in which keys may be missing.
     pub fn new(section: Section) -> Self {
+        Self::known(section).expect("decoding promised the keys of a protocol")
+    }
+
+    /// The same of a table that another version may have decoded; `None` if this one cannot read it.
+    pub fn known(section: Section) -> Option<Self> {
         match Evaluation::of_section(section) {
-            Some(evaluation) => Self::of_evaluation(&evaluation),
-            None => Self::of_transfer(&section.read()),
+            Some(evaluation) => Some(Self::of_evaluation(&evaluation)),
+            None => Transfer::of_table(section.table()).map(|transfer| Self::of_transfer(&transfer)),
         }
     }
 

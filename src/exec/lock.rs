@@ -14,8 +14,8 @@ use rustix::process::{Pid, test_kill_process};
 
 use super::fault::StoreError;
 use super::interrupt::Interrupt;
-use super::progress::span;
 use crate::bounded;
+use crate::quantity::span;
 
 /// Polling interval of a waiting run.
 const POLL: Duration = Duration::from_millis(50);

@@ -10,6 +10,7 @@ pub mod effort;
 pub mod events;
 mod evidence;
 pub mod fault;
+pub mod forecast;
 pub mod gc;
 pub mod interrupt;
 pub mod journal;

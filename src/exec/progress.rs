@@ -9,6 +9,7 @@ use super::curve::Curve;
 use super::events::{Event, Events};
 use super::pace::Pace;
 use crate::escape::terminal::{self, Painted, Style};
+use crate::quantity::span;
 
 /// Minimum time between two progress lines of one stage.
 const LINE_INTERVAL: Duration = Duration::from_secs(15);
@@ -177,16 +178,6 @@ pub(super) fn told(event: &Event, colored: bool) -> Option<Painted> {
     }
 }
 
-/// A duration for people: `0.3 s`, `42 s`, `3 min 20 s`, `2 h 5 min`.
-pub fn span(seconds: f64) -> String {
-    match seconds {
-        s if s < 10.0 => format!("{s:.1} s"),
-        s if s < 60.0 => format!("{s:.0} s"),
-        s if s < 3600.0 => format!("{} min {} s", s as u64 / 60, s as u64 % 60),
-        s => format!("{} h {} min", s as u64 / 3600, s as u64 % 3600 / 60),
-    }
-}
-
 pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -198,12 +189,6 @@ mod tests {
     fn progress(done: u64) -> Event {
         let (stage, unit, note) = ("learner".into(), "samples".into(), "return 3.5".into());
         Event::Progress { stage, done, total: 400, unit, note }
-    }
-
-    #[test]
-    fn spans_are_written_for_people() {
-        let texts: Vec<String> = [0.31, 42.4, 200.0, 7500.0].into_iter().map(span).collect();
-        assert_eq!(texts, ["0.3 s", "42 s", "3 min 20 s", "2 h 5 min"]);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::graph::Plan;
+use super::graph::{Plan, Stage};
 use super::stage::StageKind;
 use crate::escape::terminal::one_line;
 use crate::kinds::fine_tune;
@@ -10,21 +10,32 @@ use crate::kinds::learn::Ppo;
 use crate::kinds::learn::ppo::in_whole_updates;
 use crate::spec::Section;
 
+/// The samples that a training takes.
+pub fn samples(stage: &Stage) -> Option<u64> {
+    let rollout = Section::new(&stage.fields).at(Ppo::rollout)?;
+    Some(in_whole_updates(budget(stage)?, rollout as u64))
+}
+
+/// The samples that its spec gives a training.
+fn budget(stage: &Stage) -> Option<u64> {
+    let fields = Section::new(&stage.fields);
+    match stage.kind {
+        StageKind::Learner => fields.at(Ppo::samples).map(|samples| match fields.at(Ppo::stop_at) {
+            Some(stop) => samples.min(stop),
+            None => samples,
+        }),
+        StageKind::FineTune => fields.at(fine_tune::Ppo::samples),
+        _ => None,
+    }
+}
+
 /// A line for each budget that is not a whole number of updates: `learner: 3000000 samples take 3006464, 367 whole
 /// updates of 8192`.
 pub fn text(plan: &Plan) -> String {
     let mut found: BTreeMap<(StageKind, u64, u64), usize> = BTreeMap::new();
     for stage in plan.stages() {
         let fields = Section::new(&stage.fields);
-        let samples = match stage.kind {
-            StageKind::Learner => fields.at(Ppo::samples).map(|samples| match fields.at(Ppo::stop_at) {
-                Some(stop) => samples.min(stop),
-                None => samples,
-            }),
-            StageKind::FineTune => fields.at(fine_tune::Ppo::samples),
-            _ => None,
-        };
-        if let Some((samples, rollout)) = samples.zip(fields.at(Ppo::rollout)) {
+        if let Some((samples, rollout)) = budget(stage).zip(fields.at(Ppo::rollout)) {
             *found.entry((stage.kind, samples, rollout as u64)).or_default() += 1;
         }
     }

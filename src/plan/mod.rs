@@ -3,11 +3,12 @@
 
 mod alike;
 mod arm;
-mod budgets;
+pub mod budgets;
 mod defaults;
 pub mod digests;
 mod draft;
 mod error;
+pub mod expected;
 pub mod fingerprint;
 pub mod graph;
 mod idle_axes;

@@ -7,6 +7,7 @@ use serde_json::json;
 
 use super::budgets;
 use super::draft::TUNED_ENV;
+use super::expected::Expected;
 use super::fingerprint::Fingerprint;
 use super::graph::{Plan, Stage};
 use super::stage::StageKind;
@@ -18,7 +19,7 @@ use crate::escape::terminal::one_line;
 pub type Statuses = BTreeMap<Fingerprint, Status>;
 
 /// The JSON of `plan --format json`.
-pub fn json(plan: &Plan, statuses: &Statuses) -> serde_json::Value {
+pub fn json(plan: &Plan, statuses: &Statuses, expected: &Expected) -> serde_json::Value {
     let stages = plan.stages().map(|stage| {
         let status = &statuses[&stage.fingerprint];
         let inputs: Vec<_> = plan.inputs(stage).iter().map(|(input, _)| input.fingerprint.as_str()).collect();
@@ -28,6 +29,7 @@ pub fn json(plan: &Plan, statuses: &Statuses) -> serde_json::Value {
             "name": plan.label(stage),
             "inputs": inputs,
             "state": status.state,
+            "expected_cpu_s": expected.seconds.get(&stage.fingerprint),
             "reason": reason_json(status),
             "arms": stage.users.iter().map(|user| user.arm.as_str()).collect::<Vec<_>>(),
         })
@@ -49,21 +51,22 @@ fn reason_json(status: &Status) -> serde_json::Value {
 }
 
 /// The table of `plan`: shared stages, then each arm, then the report.
-pub fn text(plan: &Plan, statuses: &Statuses) -> String {
+pub fn text(plan: &Plan, statuses: &Statuses, expected: &Expected) -> String {
     let mut out = String::new();
     for (title, stages) in groups(plan) {
         out += &one_line(&title);
         for stage in stages {
-            out.push_str(&row(plan, stage, &statuses[&stage.fingerprint]));
+            out.push_str(&row(plan, stage, &statuses[&stage.fingerprint], expected));
         }
         out.push('\n');
     }
     out += &budgets::text(plan);
+    out += &expected.text();
     out += &one_line(&summary(plan, statuses));
     out
 }
 
-fn row(plan: &Plan, stage: &Stage, status: &Status) -> String {
+fn row(plan: &Plan, stage: &Stage, status: &Status, expected: &Expected) -> String {
     let mut roles: Vec<String> =
         plan.inputs(stage).iter().map(|(from, edge)| taken(from, &edge.role)).collect();
     if roles.len() > 6 {
@@ -71,7 +74,12 @@ fn row(plan: &Plan, stage: &Stage, status: &Status) -> String {
     }
     let inputs = if roles.is_empty() { String::new() } else { format!("<- {}", roles.join(", ")) };
     let name = stage.name();
-    let line = format!("  {name:<20} {:<8} {}  {inputs}", status.state.name(), stage.fingerprint.short());
+    let time = match expected.seconds.is_empty() {
+        true => String::new(),
+        false => format!("{:>13}  ", expected.time(&stage.fingerprint)),
+    };
+    let (state, key) = (status.state.name(), stage.fingerprint.short());
+    let line = format!("  {name:<20} {state:<8} {key}  {time}{inputs}");
     let mut out = one_line(line.trim_end());
     for reason in reasons(status) {
         out += &one_line(&format!("  {:<20} {reason}", ""));

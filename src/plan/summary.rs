@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 use super::budgets;
+use super::expected::Expected;
 use super::graph::{Plan, Stage};
 use super::render::{Statuses, summary};
 use super::suite::SuiteRecord;
@@ -71,7 +72,7 @@ fn groups<'a>(plan: &'a Plan, statuses: &Statuses) -> Vec<Group<'a>> {
 }
 
 /// The text of `plan` for a suite.
-pub fn text(plan: &Plan, suite: &SuiteRecord, statuses: &Statuses) -> String {
+pub fn text(plan: &Plan, suite: &SuiteRecord, statuses: &Statuses, expected: &Expected) -> String {
     let mut out = head(plan, suite);
     let groups = groups(plan, statuses);
     let width = groups.iter().map(|group| group.name.len()).max().unwrap_or(0).max("stage".len());
@@ -86,6 +87,7 @@ pub fn text(plan: &Plan, suite: &SuiteRecord, statuses: &Statuses) -> String {
     out += &by_point(plan, suite, statuses);
     out.push('\n');
     out += &budgets::text(plan);
+    out += &expected.text();
     out += &one_line(&format!("{}; `--all` lists them", summary(plan, statuses)));
     out
 }

@@ -46,6 +46,16 @@ pub fn print_ratio(ratio: f64) -> String {
     format!("{} %", number(rounded))
 }
 
+/// A duration in s for people: `0.3 s`, `42 s`, `3 min 20 s`, `2 h 5 min`.
+pub fn span(seconds: f64) -> String {
+    match seconds {
+        s if s < 10.0 => format!("{s:.1} s"),
+        s if s < 60.0 => format!("{s:.0} s"),
+        s if s < 3600.0 => format!("{} min {} s", s as u64 / 60, s as u64 % 60),
+        s => format!("{} h {} min", s as u64 / 3600, s as u64 % 3600 / 60),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -62,5 +72,11 @@ mod tests {
         assert_eq!(print(1e-30, Dimension::LENGTH), "1e-30 m");
         assert_eq!(written(&format!("1{}", "0".repeat(400))), "inf");
         assert_eq!((written("1_000"), written(&"9".repeat(30))), ("1_000".into(), "1e30".into()));
+    }
+
+    #[test]
+    fn spans_are_written_for_people() {
+        let texts: Vec<String> = [0.31, 42.4, 200.0, 7500.0].into_iter().map(span).collect();
+        assert_eq!(texts, ["0.3 s", "42 s", "3 min 20 s", "2 h 5 min"]);
     }
 }

@@ -36,7 +36,7 @@ pub enum Command {
     /// Shows the resolved spec: values, origins, signals
     #[command(after_help = examples::SHOW)]
     Show(show::Options),
-    /// Shows the dataflow graph: stages, their inputs, whether they are cached, and why not
+    /// Shows the dataflow graph: stages, their inputs, whether they are cached, why not, and how long they take
     #[command(after_help = examples::PLAN)]
     Plan(plan::Options),
     /// Runs specs: checks, trains, evaluates, deploys and writes the report

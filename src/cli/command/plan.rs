@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::cli::study::{self, Source};
 use crate::cli::{Exit, Format, Global, output, overwrite, power};
+use crate::exec::forecast;
 use crate::exec::journal::Past;
 use crate::plan::{is_saved, render, summary, why};
 use crate::safe_fs;
@@ -57,18 +58,19 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Err(exit) => return exit,
     };
     let statuses = why::statuses(plan, &Past::of(&store, plan));
+    let expected = forecast::expected(&store, plan, &statuses);
     let summarised = plan.suite.as_ref().filter(|_| !options.all);
     match (global.format, summarised) {
-        (Format::Json, _) => output::json(&render::json(plan, &statuses)),
+        (Format::Json, _) => output::json(&render::json(plan, &statuses, &expected)),
         (Format::Dot, None) => output::data(&render::dot(plan, &statuses)),
         (Format::Dot, Some(_)) => output::data(&summary::dot(plan, &statuses)),
         (Format::Mermaid, None) => output::data(&render::mermaid(plan, &statuses)),
         (Format::Mermaid, Some(_)) => output::data(&summary::mermaid(plan, &statuses)),
-        (_, None) => output::data(&render::text(plan, &statuses)),
+        (_, None) => output::data(&render::text(plan, &statuses, &expected)),
         (_, Some(suite)) => {
             let claims = power::table(plan);
             let claims = if claims.is_empty() { claims } else { format!("\n{claims}") };
-            output::data(&format!("{}{claims}", summary::text(plan, suite, &statuses)));
+            output::data(&format!("{}{claims}", summary::text(plan, suite, &statuses, &expected)));
         }
     }
     Exit::Ok

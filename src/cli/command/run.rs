@@ -9,11 +9,11 @@ use crate::cli::{Exit, Format, Global, faults, interruption, next, output, progr
 use crate::escape::terminal::{self, one_line};
 use crate::exec::events::Event;
 use crate::exec::journal::Past;
-use crate::exec::progress::span;
 use crate::exec::{self, Interrupt, Outcome, Store, StoreError, Workshop, capability, last_words};
 use crate::kinds::learn::{Learner, Ppo};
 use crate::plan::why::{self, State};
 use crate::plan::{Fingerprint, Selection, Stage, StageKind, render};
+use crate::quantity::span;
 use crate::report::claim::{self, Judged, Ruling};
 use crate::report::sidecar::Sidecar;
 use crate::report::tasks::{self, TaskRecord};
