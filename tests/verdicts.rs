@@ -9,7 +9,7 @@ use std::path::Path;
 
 use specforge::outcome::{Episode, Evaluation};
 use specforge::plan::{RunRecord, SuiteRecord};
-use specforge::report::claim::disagreements;
+use specforge::report::agreement::disagreements;
 use specforge::report::model::{Arm, Measured, ReportInput, Update};
 use specforge::report::runs;
 use specforge::report::sidecar::{RULES, Sidecar};

@@ -1,5 +1,6 @@
 //! Reports: judged claims, figures, tables, templates, provenance. Never simulates.
 
+pub mod agreement;
 pub mod answer;
 pub mod baseline;
 pub mod claim;
@@ -10,10 +11,13 @@ pub mod deviations;
 pub mod digests;
 pub mod edits;
 pub mod estimate;
+pub mod failures;
 pub mod fields;
 pub mod figure;
 pub mod file;
 pub mod gather;
+pub mod glance;
+pub mod group;
 pub mod headline;
 pub mod includes;
 pub mod index;
@@ -29,6 +33,7 @@ pub mod paths;
 pub mod plot;
 pub mod policies;
 pub mod preflight;
+pub mod provenance;
 pub mod publish;
 pub mod question;
 pub mod render;

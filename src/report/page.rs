@@ -12,9 +12,10 @@ use super::no_curve;
 use super::policies;
 use super::question::question;
 use super::suite::{self, page::SuitePage};
-use super::table::{Table, endings, evaluation, glance, health, learning, provenance, setup};
+use super::table::{Table, endings, evaluation, health, learning, setup};
 use super::warning::warnings;
 use super::wording::{command, labels, short};
+use super::{glance, provenance};
 
 /// The variables of a template.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

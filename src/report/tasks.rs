@@ -3,8 +3,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::group::groups;
 use super::model::{Arm, Measured, ReportInput};
-use super::suite::groups;
 use super::table::conditions::conditions;
 use super::verdict::judge;
 use super::wording::{arm_in_words, labels};

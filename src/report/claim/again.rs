@@ -25,7 +25,7 @@ pub fn again(claims: &[Judged]) -> Result<Vec<Judged>, String> {
 fn one(claim: &Judged) -> Result<Judged, String> {
     let unknown =
         |what: &str, name: &str| format!("has the {what} `{name}`, which this version does not know");
-    let metric = measured(claim).name;
+    let metric = metric_path(claim).name;
     let metric = metric::find(&metric).ok_or_else(|| unknown("metric", &metric))?;
     let statistic = statistic::find(&claim.test).ok_or_else(|| unknown("test", &claim.test))?;
     let over = match claim.over.as_str() {
@@ -100,7 +100,7 @@ fn sample(evidence: &Evidence, statistic: &StatisticKind) -> Option<Sample> {
 const MOST: u64 = 10_000_000;
 
 /// The stage and metric of a claim, without its baseline and parameters.
-pub(super) fn measured(claim: &Judged) -> MetricPath {
+pub fn metric_path(claim: &Judged) -> MetricPath {
     let written = claim.metric.split(' ').next().unwrap_or_default();
     let (stage, name) = written.rsplit_once('.').unwrap_or_default();
     MetricPath { stage: stage.to_owned(), name: name.to_owned() }

@@ -5,7 +5,6 @@
 //! of the simulators and the store.
 
 mod again;
-mod agreement;
 mod evidence;
 mod judge;
 mod meaning;
@@ -20,8 +19,7 @@ mod tests;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-pub use again::again;
-pub use agreement::disagreements;
+pub use again::{again, metric_path};
 pub use evidence::Evidence;
 pub use judge::{expectation, is_of, judge, measured};
 pub use planned::{Planned, PlannedArm, planned};

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::{Fault, Found, Place, stem, without_record};
 use crate::bounded;
-use crate::report::claim::disagreements;
+use crate::report::agreement::disagreements;
 use crate::report::digests;
 use crate::report::paths::page_folder;
 use crate::report::render_command::{UNKNOWN, render_command};

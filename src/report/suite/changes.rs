@@ -1,7 +1,7 @@
 //! What the points of a sweep change: the spec values in which an arm differs from the first one.
 
-use super::{Group, varying};
 use crate::report::fields::differing;
+use crate::report::group::{Group, varying};
 use crate::report::model::{Arm, ReportInput};
 use crate::report::table::setup::field;
 use crate::report::table::{Cell, Table};

@@ -1,7 +1,7 @@
 //! The names of intervals over an arm's seeds: with few seeds a percentile interval covers less than its
 //! nominal confidence.
 
-use super::Group;
+use crate::report::group::Group;
 use crate::statistics::mean::coverage;
 
 /// Number of runs of the smallest arm.

@@ -4,8 +4,10 @@ use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Group, changes, failures, groups, interval, table, varying};
+use super::{changes, interval, table};
 use crate::plan::Training;
+use crate::report::failures;
+use crate::report::group::{Group, groups, varying};
 use crate::report::model::ReportInput;
 use crate::report::table::{Table, endings, health};
 use crate::report::tasks;

@@ -1,13 +1,13 @@
 //! The tables of a suite: one row per arm, each number summarising the arm's seeds.
 
-use super::{Group, tried};
+use super::tried;
 use crate::kinds::task::Task;
 use crate::plan::Training;
 use crate::report::estimate::Estimate;
+use crate::report::group::{Group, sources};
 use crate::report::metric::{Metric, average};
 use crate::report::model::{Arm, Measured, Update};
 use crate::report::returns::Returns;
-use crate::report::source::Source;
 use crate::report::table::conditions::circumstances;
 use crate::report::table::learning::late_episodes;
 use crate::report::table::{Cell, Table, setup};
@@ -258,12 +258,6 @@ fn note(groups: &[Group<'_>], stage: &str) -> String {
         }
     };
     told.iter().map(sentence).collect::<Vec<_>>().join(" ")
-}
-
-/// A stage of every run that has it.
-pub fn sources(groups: &[Group<'_>], stage: &str) -> Vec<Source> {
-    let runs = groups.iter().flat_map(|group| &group.runs).filter(|run| run.stage(stage).is_some());
-    runs.map(|run| Source { arm: run.name.clone(), stage: stage.to_owned() }).collect()
 }
 
 #[cfg(test)]

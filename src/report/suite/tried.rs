@@ -1,7 +1,7 @@
 //! Counts the settings a suite tries per action space: the best of many tries is better by chance alone.
 
-use super::Group;
 use crate::kinds::action::Action;
+use crate::report::group::Group;
 use crate::spec::Value;
 use crate::spec::typed::InSection;
 

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::{Group, groups, interval, tried};
+use super::{interval, tried};
+use crate::report::group::{Group, groups};
 use crate::report::model::ReportInput;
 use crate::report::table::health::shown;
 use crate::report::table::setup::{budget_samples, trained_samples};

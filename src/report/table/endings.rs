@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use super::{Cell, Table};
 use crate::report::estimate::Estimate;
+use crate::report::group::Group;
 use crate::report::model::{Arm, ReportInput, Update};
 use crate::report::source::Source;
-use crate::report::suite::Group;
 use crate::report::wording::{arm_in_words, count, labels};
 
 /// Episodes by cause.

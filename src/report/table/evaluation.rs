@@ -14,8 +14,10 @@ use crate::report::verdict::judge;
 use crate::report::wording::{labels, with_interval};
 
 /// An evaluation with episodes and its arm.
-pub(super) struct Column<'a> {
+pub struct Column<'a> {
+    /// The evaluated arm.
     pub arm: &'a Arm,
+    /// The evaluation and its stage.
     pub measured: &'a Measured,
     /// `torque, rapier, n = 32`.
     pub label: String,
@@ -29,7 +31,7 @@ impl Column<'_> {
 }
 
 /// The evaluations with episodes, arm by arm.
-pub(super) fn columns(input: &ReportInput) -> Vec<Column<'_>> {
+pub fn columns(input: &ReportInput) -> Vec<Column<'_>> {
     let names = labels(&input.arms);
     let of_arm = |(arm, name): (&'_ Arm, &String)| -> Vec<(String, usize)> {
         let with_episodes =

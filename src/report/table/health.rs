@@ -2,9 +2,9 @@
 
 use super::{Cell, Table};
 use crate::learn::finding::{Finding, cure};
+use crate::report::group::Group;
 use crate::report::model::{Arm, ReportInput};
 use crate::report::source::Source;
-use crate::report::suite::Group;
 use crate::report::wording::{arm_in_words, count, labels};
 
 /// The table of findings, one row each; may be empty.

@@ -3,10 +3,8 @@
 pub mod conditions;
 pub mod endings;
 pub mod evaluation;
-pub mod glance;
 pub mod health;
 pub mod learning;
-pub mod provenance;
 pub mod setup;
 
 use serde::{Deserialize, Serialize};

@@ -4,11 +4,11 @@
 use super::{View, evaluated};
 use crate::outcome::{Evaluation, Trace};
 use crate::report::figure::{Entry, Figure, legend};
+use crate::report::group::Group;
 use crate::report::model::{Arm, Measured};
 use crate::report::plot::axis::written;
 use crate::report::plot::{Anchor, Area, Axis, Drawing, Ink, Panel, Stroke};
 use crate::report::source::Source;
-use crate::report::suite::Group;
 use crate::report::wording::shortened;
 use crate::robot::Robot;
 use crate::robot::legs::Leg;

@@ -4,11 +4,11 @@
 use super::{View, evaluated};
 use crate::report::figure::contact_forces::{has_forces, highest, panel, peak};
 use crate::report::figure::{Entry, Figure, legend};
+use crate::report::group::Group;
 use crate::report::model::{Arm, Measured};
 use crate::report::plot::axis::written;
 use crate::report::plot::{Anchor, Area, Drawing, Ink, Stroke};
 use crate::report::source::Source;
-use crate::report::suite::Group;
 use crate::report::wording::shortened;
 use crate::statistics::summary::mean;
 

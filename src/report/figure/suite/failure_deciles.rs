@@ -1,10 +1,10 @@
 //! Failure rate in each decile of every parameter: one small panel per parameter, one line per arm.
 
 use super::View;
+use crate::report::failures::{is_of_sets, sets};
 use crate::report::figure::{Entry, Figure, legend};
 use crate::report::plot::drawing::text_width;
 use crate::report::plot::{Area, Axis, Drawing, Ink, Panel, Stroke, palette};
-use crate::report::suite::failures::{is_of_sets, sets};
 use crate::report::wording::shortened;
 use crate::statistics::CONFIDENCE;
 use crate::statistics::failure::Sets;

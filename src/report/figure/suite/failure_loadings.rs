@@ -2,10 +2,10 @@
 //! logistic regression on the parameters and their squares, with intervals.
 
 use super::View;
+use crate::report::failures::{analysis, is_of_sets};
 use crate::report::figure::Figure;
 use crate::report::plot::drawing::text_width;
 use crate::report::plot::{Anchor, Area, Axis, Drawing, Ink, Panel, Stroke};
-use crate::report::suite::failures::{analysis, is_of_sets};
 use crate::report::wording::shortened;
 use crate::statistics::failure::{Analysis, Ranged, Sets};
 

@@ -3,10 +3,11 @@
 
 use super::View;
 use crate::report::figure::Figure;
+use crate::report::group::{Group, varying};
 use crate::report::metric::Metric;
 use crate::report::plot::axis::written;
 use crate::report::plot::{Anchor, Drawing, Ink, drawing::text_width};
-use crate::report::suite::{Group, table, varying};
+use crate::report::suite::table;
 use crate::report::wording::capitalised;
 use crate::statistics::summary::mean;
 

@@ -4,12 +4,12 @@
 use super::View;
 use crate::plan::Training;
 use crate::report::figure::{Figure, learning_curves};
+use crate::report::group::{self, Group, varying};
 use crate::report::model::{Arm, Update};
 use crate::report::plot::panel::label_room;
 use crate::report::plot::{Area, Axis, Drawing, Ink, Panel, Stroke, palette};
 use crate::report::returns::Returns;
 use crate::report::suite::interval::over_seeds;
-use crate::report::suite::{Group, table, varying};
 use crate::report::wording::{number, shortened};
 use crate::statistics::mean::bootstrap;
 use crate::statistics::summary::mean;
@@ -137,7 +137,7 @@ pub fn figure(view: &View) -> Option<Figure> {
         title: title.to_string(),
         caption: caption(groups, hours, (training, returns)) + shared(&inks),
         drawing,
-        sources: table::sources(groups, training.stage()),
+        sources: group::sources(groups, training.stage()),
     })
 }
 

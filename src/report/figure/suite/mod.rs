@@ -11,9 +11,9 @@ pub mod return_histogram;
 pub mod speeds;
 
 use super::Figure;
+use crate::report::group::{Group, groups};
 use crate::report::model::{Arm, Measured, ReportInput};
 use crate::report::source::Source;
-use crate::report::suite::{Group, groups};
 use crate::spec::suite::Wanted;
 
 /// The figures of a suite without a list; those without data are omitted.
@@ -100,7 +100,7 @@ impl View<'_> {
 
     /// The runs that have a stage, as sources.
     pub fn sources(&self, stage: &str) -> Vec<Source> {
-        crate::report::suite::table::sources(&self.groups, stage)
+        crate::report::group::sources(&self.groups, stage)
     }
 }
 

@@ -2,13 +2,13 @@
 
 use super::{View, policies};
 use crate::outcome::Evaluation;
+use crate::report::failures::is_of_sets;
 use crate::report::figure::Figure;
 use crate::report::metric::Metric;
 use crate::report::model::Measured;
 use crate::report::plot::axis::{bounds, written};
 use crate::report::plot::drawing::text_width;
 use crate::report::plot::{Anchor, Area, Axis, Drawing, Ink, Panel};
-use crate::report::suite::failures::is_of_sets;
 use crate::report::wording::shortened;
 use crate::statistics::summary::{deviation, mean};
 
@@ -76,7 +76,7 @@ pub fn figure(view: &View) -> Option<Figure> {
 fn arms(view: &View, stage: &str) -> Vec<Survivors> {
     let Some(reward) = Metric::named("reward_per_s") else { return Vec::new() };
     let measured = view.measured(stage);
-    let survivors = |(place, group): (usize, &crate::report::suite::Group<'_>)| {
+    let survivors = |(place, group): (usize, &crate::report::group::Group<'_>)| {
         let own: Vec<&Evaluation> = measured
             .iter()
             .filter(|(at, ..)| *at == place)

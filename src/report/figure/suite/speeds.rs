@@ -118,7 +118,7 @@ fn millimetres(evaluation: &Evaluation, episode: &Episode) -> Option<i64> {
 /// Name, number of policies and values of every arm with values.
 fn arms(view: &View, stage: &str, metric: &Metric) -> Vec<(String, usize, BySpeed)> {
     let measured = view.measured(stage);
-    let arm = |(place, group): (usize, &crate::report::suite::Group<'_>)| {
+    let arm = |(place, group): (usize, &crate::report::group::Group<'_>)| {
         let own: Vec<&Evaluation> = measured
             .iter()
             .filter(|(at, ..)| *at == place)

@@ -3,11 +3,11 @@
 
 use std::collections::BTreeMap;
 
-use super::Group;
 use crate::kinds::evaluate::{Evaluation as Protocols, ParameterSets};
 use crate::outcome::{Episode, Evaluation};
 use crate::report::comparison::are_paired;
 use crate::report::estimate::Estimate;
+use crate::report::group::{self, Group};
 use crate::report::model::Arm;
 use crate::report::source::Source;
 use crate::report::table::{Cell, Table};
@@ -177,7 +177,7 @@ fn survivors(groups: &[Group<'_>], stage: &str) -> Table {
         ];
         table.row_from(group.name, &arm_in_words(group.name), cells, sources(&tried, stage));
     }
-    table.sources = super::table::sources(groups, stage);
+    table.sources = group::sources(groups, stage);
     table
 }
 
@@ -214,7 +214,7 @@ fn pairs(groups: &[Group<'_>], stage: &str) -> Table {
             }
         }
     }
-    table.sources = super::table::sources(groups, stage);
+    table.sources = group::sources(groups, stage);
     table
 }
 
@@ -270,7 +270,7 @@ fn causes(groups: &[Group<'_>], stage: &str, found: &[Found]) -> Table {
             );
         }
     }
-    table.sources = super::table::sources(groups, stage);
+    table.sources = group::sources(groups, stage);
     table
 }
 

@@ -1,11 +1,11 @@
 //! The first table of a report: per policy and engine whether it does its task, and the numbers that say so;
 //! for a suite the claims with their verdicts.
 
-use super::evaluation::{Column, columns};
-use super::{Cell, Table};
 use crate::report::claim::{self, Judged};
 use crate::report::metric::Metric;
 use crate::report::model::{Arm, ReportInput};
+use crate::report::table::evaluation::{Column, columns};
+use crate::report::table::{Cell, Table};
 use crate::report::verdict::{asked_speed, judge};
 use crate::report::wording::with_interval;
 

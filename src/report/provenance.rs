@@ -2,11 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{Cell, Table};
 use crate::report::estimate::Estimate;
 use crate::report::figure::Figure;
 use crate::report::model::{ReportInput, StageRecord};
 use crate::report::source::Source;
+use crate::report::table::{Cell, Table};
 use crate::report::wording::{labels, short};
 
 /// The stages of all arms: fingerprint, version, cost. A stage shared by arms is listed once.

@@ -3,9 +3,8 @@
 
 use serde_json::Value as Json;
 
-use super::again::{again, measured};
-use super::{Case, Evidence, Judged};
 use crate::kinds::metric::{self, Scale};
+use crate::report::claim::{Case, Evidence, Judged, again, metric_path};
 use crate::report::runs::RunRecord;
 use crate::report::sidecar::Sidecar;
 use crate::report::tasks::TaskRecord;
@@ -93,7 +92,8 @@ struct Compared<'a> {
 /// `until` are not in that table.
 fn values(record: &Sidecar, claim: &Judged) -> Option<String> {
     let asked = claim.metric.split_once(' ').map_or("", |(_, rest)| rest);
-    let is_tabled = metric::find(&measured(claim).name).is_some_and(|metric| metric.scale != Scale::Censored);
+    let is_tabled =
+        metric::find(&metric_path(claim).name).is_some_and(|metric| metric.scale != Scale::Censored);
     if !is_tabled || asked.contains("until ") || asked.contains("along ") {
         return None;
     }
@@ -108,7 +108,7 @@ fn values(record: &Sidecar, claim: &Judged) -> Option<String> {
 }
 
 fn of_case(record: &Sidecar, claim: &Judged, case: &Case, compared: Option<&Compared>) -> Option<String> {
-    let path = measured(claim);
+    let path = metric_path(claim);
     let told = told(case.evidence.as_ref()?);
     if told.len() != case.sources.len() {
         return Some(format!("has {} values of {} runs", told.len(), case.sources.len()));
@@ -202,10 +202,10 @@ fn told(evidence: &Evidence) -> Vec<Told> {
 
 /// Why a claim's list of failing runs is incomplete.
 fn failing(record: &Sidecar, claim: &Judged) -> Option<String> {
-    if !metric::find(&measured(claim).name).is_some_and(|metric| metric.needs_task) {
+    if !metric::find(&metric_path(claim).name).is_some_and(|metric| metric.needs_task) {
         return None;
     }
-    let stage = measured(claim).stage;
+    let stage = metric_path(claim).stage;
     let fails = |run: &&RunRecord| {
         let mut of_arm = record.tasks.iter().filter(|task| task.arm == run.arm);
         let own = of_arm.clone().find(|task| task.stage == stage).or_else(|| of_arm.next());
