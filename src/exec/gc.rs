@@ -77,7 +77,7 @@ pub fn waste(store: &Store, rules: &Rules, wait: &Wait) -> Result<Cleaning, Stor
         return Err(StoreError::Journal { path: root.to_owned(), reason: reason.clone() });
     }
     let mut cleaning = Cleaning { _closed: Some(closed), ..Cleaning::default() };
-    artefacts((store, rules), (&journal, &held), &mut cleaning)?;
+    artefacts(store, rules, &journal, &held, &mut cleaning)?;
     let damaged = children(&root.join("damaged")).into_iter().filter(|path| marker::is_damaged(path));
     cleaning.waste.extend(damaged.map(|path| entry("damaged entry".into(), path)));
     if rules.scratch {
@@ -106,8 +106,10 @@ fn evidence(store: &Store, journal: &Journal) -> Result<Option<String>, StoreErr
 }
 
 fn artefacts(
-    (store, rules): (&Store, &Rules),
-    (journal, held): (&Journal, &BTreeSet<Fingerprint>),
+    store: &Store,
+    rules: &Rules,
+    journal: &Journal,
+    held: &BTreeSet<Fingerprint>,
     cleaning: &mut Cleaning,
 ) -> Result<(), StoreError> {
     let present: BTreeSet<&Fingerprint> = journal.present().collect();

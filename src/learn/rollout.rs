@@ -218,7 +218,7 @@ impl<'a> Group<'a> {
         let mut drawn = means.chunks_exact(actor.outputs()).zip(noise);
         for squad in &mut **squads {
             for (lane, (means, noise)) in squad.lanes.iter_mut().zip(&mut drawn) {
-                draw(lane, *step, means, (noise, &settings.std));
+                draw(lane, *step, means, noise, &settings.std);
             }
             squad.advance(*step, settings)?;
         }
@@ -240,7 +240,7 @@ fn observe(lane: &mut Lane, view: &dyn View, step: usize, row: &mut [f32], setti
 }
 
 /// Draws and records an action.
-fn draw(lane: &mut Lane, step: usize, means: &[f32], (noise, std): (&mut Stream, &[f64])) {
+fn draw(lane: &mut Lane, step: usize, means: &[f32], noise: &mut Stream, std: &[f64]) {
     let row = step * means.len()..(step + 1) * means.len();
     lane.records.means[row.clone()].copy_from_slice(means);
     for ((action, mean), std) in lane.records.actions[row].iter_mut().zip(means).zip(std) {

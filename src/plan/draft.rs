@@ -78,10 +78,10 @@ impl Draft {
 
 /// The stages of an arm in the order of the pipeline.
 pub fn drafts(arm: &Arm, origins: &BTreeMap<String, String>) -> Vec<Draft> {
-    let plain = |kind| plain((arm, origins), kind, json!(null).into());
-    let mut drafts = vec![self::plain((arm, origins), StageKind::Robot, arm.robot.clone())];
+    let plain = |kind| plain(arm, origins, kind, json!(null).into());
+    let mut drafts = vec![self::plain(arm, origins, StageKind::Robot, arm.robot.clone())];
     if let Some(motion) = &arm.motion {
-        drafts.push(motion_draft((arm, origins), motion));
+        drafts.push(motion_draft(arm, origins, motion));
     }
     drafts.push(plain(StageKind::Env));
     drafts.push(plain(StageKind::Controller));
@@ -92,7 +92,7 @@ pub fn drafts(arm: &Arm, origins: &BTreeMap<String, String>) -> Vec<Draft> {
         drafts.push(plain(StageKind::Learner));
     }
     if let Some(tuning) = Section::new(&arm.fields).within::<FineTuning>() {
-        drafts.push(tuned_env((arm, origins), tuning));
+        drafts.push(tuned_env(arm, origins, tuning));
         drafts.push(Draft { training: Training::FineTuning, ..plain(StageKind::FineTune) });
     }
     drafts.extend(terms(arm, "evaluate").map(|(name, table)| term(arm, StageKind::Evaluate, name, table)));
@@ -120,7 +120,8 @@ fn is_transfer(table: &Table) -> bool {
 
 /// A stage with fixed declared paths.
 pub fn plain(
-    (arm, origins): (&Arm, &BTreeMap<String, String>),
+    arm: &Arm,
+    origins: &BTreeMap<String, String>,
     kind: StageKind,
     content: Shared<serde_json::Value>,
 ) -> Draft {
@@ -160,7 +161,7 @@ pub fn replaced(tuning: Section) -> Vec<(String, String)> {
 
 /// The path in the spec with these fields, or in the motion's file, of a path in a stage's fields:
 /// `evaluate.episodes` is `evaluate.nominal.episodes`. Without fields every possible key counts as set.
-pub fn spec_path((kind, name): (StageKind, &str), path: &str, spec: Option<&Table>) -> String {
+pub fn spec_path(kind: StageKind, name: &str, path: &str, spec: Option<&Table>) -> String {
     let is_written = |own: &String| spec.is_none_or(|spec| at(spec, own).is_some());
     let Some((head, rest)) = path.split_once('.') else { return path.to_owned() };
     match kind {
@@ -180,8 +181,8 @@ pub fn spec_path((kind, name): (StageKind, &str), path: &str, spec: Option<&Tabl
 /// The environment of a fine-tuning: that of the training with another ground and, if given, another
 /// exploration, engine and reward weights. It is the same stage as for a spec with these values in
 /// `[terrain]`, `[action]`, `[physics]` and `[reward]`.
-fn tuned_env((arm, origins): (&Arm, &BTreeMap<String, String>), tuning: Section) -> Draft {
-    let mut draft = plain((arm, origins), StageKind::Env, json!(null).into());
+fn tuned_env(arm: &Arm, origins: &BTreeMap<String, String>, tuning: Section) -> Draft {
+    let mut draft = plain(arm, origins, StageKind::Env, json!(null).into());
     for (place, own) in replaced(tuning) {
         if let Some(value) = at(&arm.fields, &own) {
             replace(&mut draft.fields, &place, value.clone());
@@ -223,8 +224,8 @@ fn moved(origins: &BTreeMap<String, String>, from: &str, to: &str) -> BTreeMap<S
 }
 
 /// The motion stage: the spec names the motion, and its file defines it.
-fn motion_draft((arm, origins): (&Arm, &BTreeMap<String, String>), motion: &Table) -> Draft {
-    let mut draft = plain((arm, origins), StageKind::Motion, json!(null).into());
+fn motion_draft(arm: &Arm, origins: &BTreeMap<String, String>, motion: &Table) -> Draft {
+    let mut draft = plain(arm, origins, StageKind::Motion, json!(null).into());
     draft.fields.insert("motion".into(), Value::Table(motion.clone()));
     let own = origins.iter().filter(|(path, _)| path.starts_with("motion."));
     draft.origins.extend(own.map(|(path, origin)| (path.clone(), origin.clone())));
@@ -335,7 +336,7 @@ mod tests {
             (StageKind::Transfer, "deploy.mujoco", "deploy.episodes", "evaluate.nominal.episodes"),
             (StageKind::Motion, "motion", "motion.period", "motion file: period"),
         ] {
-            assert_eq!(spec_path((kind, name), path, Some(&spec)), written);
+            assert_eq!(spec_path(kind, name, path, Some(&spec)), written);
         }
     }
 }

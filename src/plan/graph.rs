@@ -181,7 +181,7 @@ impl Plan {
     pub fn spec_path(&self, stage: &Stage, path: &str) -> String {
         let arm = self.arms.iter().find(|arm| arm.name == stage.users[0].arm);
         let written = arm.map(|arm| arm.fields.only(&["deploy", "evaluate", "fine_tune"]));
-        draft::spec_path((stage.kind, stage.name()), path, written.as_ref())
+        draft::spec_path(stage.kind, stage.name(), path, written.as_ref())
     }
 
     /// The inputs of a stage: producers and edges in the order of their roles.

@@ -227,7 +227,7 @@ fn report_stage(source: &ReportSource, first: &Arm, records: &[ArmRecord]) -> St
     if let Some(suite) = &source.suite {
         content["suite"] = serde_json::to_value(&suite.record).expect("a suite's record is plain data");
     }
-    let mut draft = plain((first, &first.origins), StageKind::Report, content.into());
+    let mut draft = plain(first, &first.origins, StageKind::Report, content.into());
     draft.fields.insert("name".into(), Value::Text(source.name.clone()));
     if let Some(suite) = &source.suite {
         draft.fields = suite.fields.clone().into();

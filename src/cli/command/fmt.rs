@@ -60,7 +60,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             Some(Outcome::Broken(findings)) => tally.broken.push(findings),
             Some(Outcome::Changed(before, after)) => {
                 if options.check {
-                    show(path, (&before, &after), global);
+                    show(path, &before, &after, global);
                 } else if let Err(error) = safe_fs::replace(path, after.as_bytes()) {
                     output::complain(global, &format!("{} cannot be written: {error}", path.display()), None);
                     return Exit::StageFailed;
@@ -87,7 +87,7 @@ fn standard_input(order: &Order, check: bool, global: &Global) -> Exit {
     match outcome(path, text.clone(), true, order) {
         Some(Outcome::Broken(findings)) => tally.broken.push(findings),
         Some(Outcome::Changed(before, after)) if check => {
-            show(path, (&before, &after), global);
+            show(path, &before, &after, global);
             tally.changed.push(path.to_owned());
         }
         Some(Outcome::Changed(_, after)) => output::data(&after),
@@ -118,7 +118,7 @@ fn outcome(path: &Path, text: String, named: bool, order: &Order) -> Option<Outc
 }
 
 /// Prints the changes in the format of `diff -u`.
-fn show(path: &Path, (before, after): (&str, &str), global: &Global) {
+fn show(path: &Path, before: &str, after: &str, global: &Global) {
     if global.format == Format::Json {
         return;
     }

@@ -46,7 +46,7 @@ impl Monitor {
             }
             for sign in signs {
                 let spell = self.spells.entry((rule.code, sign.subject.clone())).or_default();
-                spell.see(metrics.samples, (rule, sign), &mut self.findings);
+                spell.see(metrics.samples, rule, sign, &mut self.findings);
             }
         }
         self.findings[known..].to_vec()
@@ -59,7 +59,7 @@ impl Monitor {
 }
 
 impl Spell {
-    fn see(&mut self, samples: u64, (rule, sign): (&Rule, Sign), findings: &mut Vec<Finding>) {
+    fn see(&mut self, samples: u64, rule: &Rule, sign: Sign, findings: &mut Vec<Finding>) {
         self.samples = [if self.present == 0 { samples } else { self.samples[0] }, samples];
         self.present += 1;
         self.absent = 0;

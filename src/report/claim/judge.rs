@@ -109,12 +109,12 @@ fn draft(claim: &Claim, arms: &[Observed]) -> Option<Judged> {
     let (metric, statistic) = (metric::find(&claim.metric.name)?, statistic::find(&claim.test)?);
     let points: Vec<&Points> = arms.iter().map(|arm| arm.points).collect();
     let failing = meaning::failing(claim, metric, &cases(claim, &points), arms);
-    let found = samples(claim, (metric, statistic.unit()), arms);
+    let found = samples(claim, metric, statistic.unit(), arms);
     let quantifier =
         Quantifier::new(claim.over.as_ref(), found.cases.iter().map(|found| found.alternative.as_str()));
     let judged = found.cases.iter().enumerate().map(|(at, sample)| {
         let levels = quantifier.divisors(at).map(|divisor| claim.alpha / divisor);
-        case(claim, (metric, statistic), sample, levels)
+        case(claim, metric, statistic, sample, levels)
     });
     let cases: Vec<Weighed> = judged.collect();
     let (verdict, p) = together(&quantifier, &cases, &failing, &found.missing);
@@ -185,7 +185,8 @@ pub fn expectation(claim: &Claim) -> String {
 /// One comparison, given the levels for establishing and for refuting the expectation.
 fn case(
     claim: &Claim,
-    (metric, statistic): (&MetricKind, &StatisticKind),
+    metric: &MetricKind,
+    statistic: &StatisticKind,
     Found { label, alternative, sample, sources }: &Found,
     levels: [f64; 2],
 ) -> Weighed {

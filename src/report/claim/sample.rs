@@ -41,7 +41,7 @@ pub struct Samples {
 }
 
 /// Collects the samples that a claim compares.
-pub fn samples(claim: &Claim, (metric, unit): (&MetricKind, Unit), arms: &[Observed]) -> Samples {
+pub fn samples(claim: &Claim, metric: &MetricKind, unit: Unit, arms: &[Observed]) -> Samples {
     let points: Vec<&Points> = arms.iter().map(|arm| arm.points).collect();
     let cases = cases(claim, &points);
     let sides = |case: &Case| -> Vec<usize> {

@@ -30,7 +30,7 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
         for (column, engine) in engines.iter().enumerate() {
             let area = grid.cell([columns, rows], [column, row], [64.0, 72.0]);
             let title = format!("{} in {engine}", names[row]);
-            panel(&mut drawing, area, (arm, measured(arm, engine)), (title, top, column == 0));
+            panel(&mut drawing, area, arm, measured(arm, engine), title, top, column == 0);
         }
     }
     Some(Figure {
@@ -90,8 +90,11 @@ pub(super) fn peak(measured: &Measured) -> f64 {
 pub(super) fn panel(
     drawing: &mut Drawing,
     area: Area,
-    (arm, measured): (&Arm, Option<&Measured>),
-    (title, top, first): (String, f64, bool),
+    arm: &Arm,
+    measured: Option<&Measured>,
+    title: String,
+    top: f64,
+    first: bool,
 ) {
     let rows = measured.map_or(0..0, |measured| window::cycles(&measured.evaluation.trace, 2, 1.6));
     let times: Vec<f64> = measured

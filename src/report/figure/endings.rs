@@ -31,7 +31,7 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
     let grid = Area { left: 58.0, top: 34.0, width, height: 230.0 * rows as f64 - 66.0 };
     for (cell, arm) in arms.iter().enumerate() {
         let area = grid.cell([columns, rows], [cell % columns, cell / columns], [gap, 78.0]);
-        panel(&mut drawing, &input.arms[*arm], area, (&names[*arm], &known));
+        panel(&mut drawing, &input.arms[*arm], area, &names[*arm], &known);
     }
     let total = |arm: &Arm| -> u64 { arm.updates.iter().flat_map(|update| update.ends.values()).sum() };
     let counts: Vec<String> = arms
@@ -62,7 +62,7 @@ fn causes<'a>(arms: impl IntoIterator<Item = &'a Arm>) -> Vec<String> {
 }
 
 /// The panel of one arm; `known` are the causes in all arms, so that colours agree between panels.
-fn panel(drawing: &mut Drawing, arm: &Arm, area: Area, (name, known): (&str, &[String])) {
+fn panel(drawing: &mut Drawing, arm: &Arm, area: Area, name: &str, known: &[String]) {
     let causes = causes([arm]);
     let last = arm.updates.last().map_or(1.0, |update| update.samples as f64 / 1e6);
     let panel = Panel {

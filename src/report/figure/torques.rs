@@ -44,7 +44,7 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
         for leg in [0, 1] {
             let area = grid.cell([2, JOINTS.len()], [leg, row], [72.0, 62.0]);
             let curves: Vec<Curve> = all.iter().map(|traced| traced.curve(leg, row)).collect();
-            panel(&mut drawing, area, &curves, (leg, row));
+            panel(&mut drawing, area, &curves, leg, row);
         }
     }
     let engine = first.measured.evaluation.engine.as_str();
@@ -97,7 +97,7 @@ fn limits(curves: &[Curve]) -> Vec<(Ink, f64)> {
     if differ { own.collect() } else { own.take(1).map(|(_, limit)| (Ink::Reference, limit)).collect() }
 }
 
-fn panel(drawing: &mut Drawing, area: Area, curves: &[Curve], (leg, row): (usize, usize)) {
+fn panel(drawing: &mut Drawing, area: Area, curves: &[Curve], leg: usize, row: usize) {
     let all = || curves.iter().flat_map(|(_, points, _)| points);
     let levels: Vec<(Ink, f64)> =
         limits(curves).into_iter().flat_map(|(ink, limit)| [(ink, limit), (ink, -limit)]).collect();

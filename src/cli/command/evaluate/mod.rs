@@ -117,7 +117,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         }
     };
     specs::tell(&[of_robot(&policy).in_file(&path)], global);
-    match evaluated(options, (&policy, &conditions), &interrupt, global) {
+    match evaluated(options, &policy, &conditions, &interrupt, global) {
         Ok(evaluations) => {
             shown::tell(&path, &policy, &conditions, evaluations, global);
             Exit::Ok
@@ -194,7 +194,8 @@ impl Events for Urgent {
 /// Evaluates all engines at all commands in turn; with `--format json`, reports each when it is done.
 fn evaluated(
     options: &Options,
-    (policy, conditions): (&Policy, &Conditions),
+    policy: &Policy,
+    conditions: &Conditions,
     interrupt: &Interrupt,
     global: &Global,
 ) -> Result<Vec<Evaluation>, WorkError> {
@@ -211,7 +212,7 @@ fn evaluated(
     let mut evaluations = Vec::new();
     for transfer in &conditions.transfers {
         let stage = shown::place(&transfer.engine, transfer.protocol.command(None));
-        let evaluation = followed(&stage, (policy, transfer, threads), events.as_ref(), interrupt)?;
+        let evaluation = followed(&stage, policy, transfer, threads, events.as_ref(), interrupt)?;
         if global.format == Format::Json {
             output::data(&shown::line(&evaluation).to_string());
         }
@@ -223,7 +224,9 @@ fn evaluated(
 /// One evaluation, with its events.
 fn followed(
     stage: &str,
-    (policy, transfer, threads): (&Policy, &Transfer, usize),
+    policy: &Policy,
+    transfer: &Transfer,
+    threads: usize,
     events: &dyn Events,
     interrupt: &Interrupt,
 ) -> Result<Evaluation, WorkError> {

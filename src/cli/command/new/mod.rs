@@ -125,7 +125,7 @@ fn write(options: &Options, global: &Global) -> Result<String, Refusal> {
         );
     }
     if let Some(spec) = &options.suite {
-        return over(file, (&name, folder), spec, global);
+        return over(file, &name, folder, spec, global);
     }
     let robots = robots_of(folder);
     known("robot", &options.robot, robots.iter().map(String::as_str).collect())?;
@@ -178,7 +178,7 @@ fn write(options: &Options, global: &Global) -> Result<String, Refusal> {
 }
 
 /// Writes a suite based on a spec.
-fn over(file: &Path, (name, folder): (&str, &Path), spec: &Path, global: &Global) -> Result<String, Refusal> {
+fn over(file: &Path, name: &str, folder: &Path, spec: &Path, global: &Global) -> Result<String, Refusal> {
     if !spec.is_file() {
         let advice = file::elsewhere(&Disk, spec).unwrap_or_else(|| {
             "name the spec that the suite varies; `specforge new SPEC.toml` writes one".to_owned()

@@ -48,7 +48,7 @@ pub fn figure(view: &View) -> Option<Figure> {
     for (row, twice) in shown.iter().enumerate() {
         for leg in [0, 1] {
             let area = grid.cell([2, rows], [leg, row], [64.0, 62.0]);
-            draw(&mut drawing, area, twice, (leg, row + 1 == rows));
+            draw(&mut drawing, area, twice, leg, row + 1 == rows);
         }
     }
     let source = |twice: &Twice| {
@@ -148,7 +148,7 @@ fn of_group<'a>(view: &View, group: &Group<'a>) -> Option<Twice<'a>> {
     })
 }
 
-fn draw(drawing: &mut Drawing, area: Area, twice: &Twice, (leg, lowest): (usize, bool)) {
+fn draw(drawing: &mut Drawing, area: Area, twice: &Twice, leg: usize, lowest: bool) {
     let curves = twice.sides.map(|side| twice.curve(&side.evaluation.trace, leg));
     let both = [0, 1].map(|leg| twice.sides.map(|side| twice.curve(&side.evaluation.trace, leg)));
     let values = || both.iter().flatten().flatten().map(|(_, torque)| *torque);

@@ -48,7 +48,7 @@ pub fn figure(view: &View) -> Option<Figure> {
                 0 => format!("{}, {}", twice.name, twice.words(0)),
                 _ => format!("the same, {}{ratio}", twice.words(1)),
             };
-            panel(&mut drawing, area, (twice.arm, Some(measured)), (title, top, column == 0));
+            panel(&mut drawing, area, twice.arm, Some(measured), title, top, column == 0);
         }
     }
     let source = |twice: &Twice| {

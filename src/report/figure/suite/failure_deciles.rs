@@ -54,7 +54,7 @@ pub fn figure(view: &View) -> Option<Figure> {
         };
         panel.frame(&mut drawing, &name.replace('_', " "));
         for (arm, (_, sets)) in arms.iter().enumerate() {
-            draw(&mut drawing, &panel, sets, (name, Ink::Arm(arm)));
+            draw(&mut drawing, &panel, sets, name, Ink::Arm(arm));
         }
     }
     Some(Figure {
@@ -113,7 +113,7 @@ fn highest(arms: &[(String, Sets)]) -> f64 {
     100.0 * arms.iter().map(|(_, sets)| of(sets)).fold(0.01, f64::max)
 }
 
-fn draw(drawing: &mut Drawing, panel: &Panel, sets: &Sets, (name, ink): (&String, Ink)) {
+fn draw(drawing: &mut Drawing, panel: &Panel, sets: &Sets, name: &String, ink: Ink) {
     let Some(parameter) = sets.names.iter().position(|own| own == name) else { return };
     let deciles = deciles::of(sets, parameter, CONFIDENCE);
     let band: Vec<(f64, f64, f64)> =

@@ -40,7 +40,7 @@ struct Map<'a> {
 /// Survival, if the arms differ on two or more axes and were evaluated.
 pub fn survival(view: &View) -> Option<Figure> {
     let stage = view.stage(|measured| !measured.evaluation.episodes.is_empty())?;
-    let map = map(view, (Metric::named("survival")?, stage), 2)?;
+    let map = map(view, Metric::named("survival")?, stage, 2)?;
     let runs: usize =
         view.groups.iter().map(|group| table::values(group, &map.stage, "survival").len()).sum();
     let caption = format!(
@@ -48,13 +48,13 @@ pub fn survival(view: &View) -> Option<Figure> {
          lowest and the highest seed; {runs} runs. A robot that stands still survives.",
         map.stage
     );
-    figure(view, &map, ("Survival by arm", caption))
+    figure(view, &map, "Survival by arm", caption)
 }
 
 /// Any metric, if the arms differ on at least one axis and were evaluated.
 pub fn metric(view: &View) -> Option<Figure> {
     let (stage, name) = view.wanted.about.first()?.rsplit_once('.')?;
-    let map = map(view, (Metric::named(name)?, stage.to_owned()), 1)?;
+    let map = map(view, Metric::named(name)?, stage.to_owned(), 1)?;
     let values: Vec<f64> = view.groups.iter().flat_map(|group| table::values(group, stage, name)).collect();
     if values.is_empty() {
         return None;
@@ -69,10 +69,10 @@ pub fn metric(view: &View) -> Option<Figure> {
         map.shown(map.range[0]),
         map.shown(map.range[1]),
     );
-    figure(view, &map, (&title, caption))
+    figure(view, &map, &title, caption)
 }
 
-fn map<'a>(view: &View<'a>, (metric, stage): (Metric, String), least: usize) -> Option<Map<'a>> {
+fn map<'a>(view: &View<'a>, metric: Metric, stage: String, least: usize) -> Option<Map<'a>> {
     let mut axes = varying(view.input, &view.groups);
     if axes.len() < least {
         return None;
@@ -102,7 +102,7 @@ fn map<'a>(view: &View<'a>, (metric, stage): (Metric, String), least: usize) -> 
     Some(map)
 }
 
-fn figure(view: &View, map: &Map, (title, caption): (&str, String)) -> Option<Figure> {
+fn figure(view: &View, map: &Map, title: &str, caption: String) -> Option<Figure> {
     let (row_axis, rows) = (map.rows.0, &map.rows.1);
     let left = 34.0 + rows.iter().map(|row| text_width(row, 12.0)).fold(text_width(row_axis, 12.0), f64::max);
     let height = HEAD + map.cell[1] * rows.len() as f64 + BETWEEN;
