@@ -112,11 +112,12 @@ impl SuitePage {
 pub fn paragraphs(input: &ReportInput) -> Vec<String> {
     let groups = groups(input);
     let whole = input.arms.iter().filter(|arm| arm.failures.is_empty()).count();
-    let mut paragraphs = vec![format!(
-        "{whole} of {} runs in {} arms have all their results.",
-        input.arms.len(),
-        groups.len()
-    )];
+    let (runs, arms) = (input.arms.len(), groups.len());
+    let mut paragraphs = vec![if whole == runs {
+        format!("All {runs} runs in {arms} arms are complete.")
+    } else {
+        format!("{whole} of {runs} runs in {arms} arms have all their results.")
+    }];
     // This precedes all comparisons of arms, as those may compare failures.
     let records = tasks::records(input);
     for told in [tasks::unjudged_paragraph(&records), tasks::paragraph(&records)].into_iter().flatten() {
@@ -132,7 +133,7 @@ pub fn paragraphs(input: &ReportInput) -> Vec<String> {
     let survivals: Vec<String> = told.filter_map(|(_, stage)| survivors(&groups, &stage)).collect();
     if !survivals.is_empty() {
         paragraphs.push(format!(
-            "Survival, mean over seeds: {}. Survival alone says nothing of the task: a robot that stands \
+            "Survival, mean over seeds: {}. Survival alone says nothing about the task: a robot that stands \
              still survives.",
             survivals.join("; ")
         ));

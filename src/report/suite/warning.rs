@@ -108,11 +108,10 @@ fn seeds(groups: &[Group<'_>]) -> String {
     match (count, interval::of_few(count)) {
         (0 | 1, _) => "Only one seed per arm: a difference between arms may be chance.".to_owned(),
         (_, Some(words)) => format!(
-            "{count} seeds per arm: a bootstrap interval over them is {words}, and there is no p value to \
-             it; look at the single curves."
+            "{count} seeds per arm: a bootstrap interval over them is {words}; see the individual curves."
         ),
         (_, None) => format!(
-            "{count} seeds per arm; intervals are over seeds, so they speak about the arms, not single \
+            "{count} seeds per arm; intervals are over seeds, so they are about the arms, not about single \
              policies."
         ),
     }
