@@ -79,6 +79,20 @@ fn one_arm_is_named_in_the_caption_of_its_learning_curves_and_not_beside_its_lin
     assert!(!curves.drawing.to_svg().contains(">atlas_run_torque<"));
 }
 
+#[test]
+fn trainings_that_did_not_measure_single_support_have_no_panel_of_it() {
+    let mut input = synthetic::input();
+    let titles = |input: &ReportInput| {
+        let curves = figure::learning_curves::figure(input, Training::First).expect("they have learned");
+        (curves.drawing.to_svg().contains("single support"), curves.caption.contains("Single support"))
+    };
+    assert_eq!(titles(&input), (true, true));
+    for update in input.arms.iter_mut().flat_map(|arm| &mut arm.updates) {
+        update.single_support = None;
+    }
+    assert_eq!(titles(&input), (false, false));
+}
+
 /// Renders the made-up report into the target folder, for people to look at.
 fn rendered() -> Vec<ReportFile> {
     let files = render(&synthetic::input(), &Templates::default(), &mut Sources::default())

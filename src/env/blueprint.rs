@@ -13,7 +13,9 @@ use crate::kinds::initial::Initial;
 use crate::kinds::learn::Ppo;
 use crate::kinds::learn::ppo::Critic;
 use crate::kinds::motion::{Frame, MIRROR_TOLERANCE, Motion};
+use crate::kinds::observe::Observations;
 use crate::kinds::physics::{EngineName, Physics};
+use crate::kinds::reward::Rewards;
 use crate::kinds::task::Task;
 use crate::kinds::terrain::Ground;
 use crate::kinds::terrain::height_field::{self, SizeError};
@@ -40,8 +42,8 @@ pub struct Blueprint {
 /// Why a blueprint cannot be built.
 #[derive(Debug, thiserror::Error)]
 pub enum BlueprintError {
-    /// A section is missing.
-    #[error("the spec has no section [{0}]")]
+    /// A section, or a key that it needs, is missing.
+    #[error("the spec has no complete section [{0}]")]
     Missing(&'static str),
     /// A rate is not the physics rate divided by a whole number.
     #[error("{what} of {rate} Hz does not divide the physics rate of {physics} Hz")]
@@ -210,10 +212,18 @@ impl Blueprint {
     }
 
     pub(super) fn check(&self) -> Result<(), BlueprintError> {
-        for name in ["physics", "terrain", "task", "initial", "observe", "reward", "action"] {
-            if Section::new(&self.fields).section(name).is_none() {
-                return Err(BlueprintError::Missing(name));
-            }
+        let spec = Section::new(&self.fields);
+        let sections = [
+            (Physics::SECTION, spec.at(Physics::rate).is_some()),
+            (Ground::SECTION, spec.part::<Ground>().is_some()),
+            (Task::SECTION, spec.part::<Task>().is_some()),
+            (Initial::SECTION, spec.part::<Initial>().is_some()),
+            (Observations::SECTION, spec.within::<Observations>().is_some()),
+            (Rewards::SECTION, spec.within::<Rewards>().is_some()),
+            (Action::SECTION, spec.part::<Action>().is_some()),
+        ];
+        if let Some((name, _)) = sections.into_iter().find(|(_, is_whole)| !is_whole) {
+            return Err(BlueprintError::Missing(name));
         }
         self.has_a_ground()?;
         self.divides("action.rate", self.control_rate())?;

@@ -1,8 +1,13 @@
 //! The commanded speed over an episode: draws at intervals, approached along ramps.
 
+use statrs::distribution::{ContinuousCDF, Normal};
+
 use crate::kinds::task::{self, Task};
 use crate::spec::Sampler;
 use crate::stream::Stream;
+
+/// Number of speeds that represent a continuous distribution.
+const PARTS: usize = 8;
 
 /// The settings of `task.command`.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +26,23 @@ impl CommandPlan {
             ramp: command.ramp,
         };
         task.command().map_or_else(|| Self::constant(0.0), plan)
+    }
+
+    /// Equally likely speeds in m/s that represent the distribution of the draws: for a continuous one,
+    /// values of equal probability.
+    pub fn speeds(&self) -> Vec<f64> {
+        let middle = |part: usize| (part as f64 + 0.5) / PARTS as f64;
+        match &self.speed {
+            Sampler::Constant(speed) => vec![*speed],
+            Sampler::Choice(speeds) => speeds.clone(),
+            Sampler::Normal([mean, deviation]) => {
+                let normal = Normal::standard();
+                (0..PARTS).map(|part| mean + deviation * normal.inverse_cdf(middle(part))).collect()
+            }
+            Sampler::Uniform(_) | Sampler::LogUniform(_) => {
+                (0..PARTS).map(|part| self.speed.draw(middle(part), 0.0)).collect()
+            }
+        }
     }
 
     /// A constant speed in m/s.
@@ -83,6 +105,18 @@ mod tests {
         assert_ne!(first, second);
         assert!((quarter - (first + 0.25 * (second - first))).abs() < 1e-12);
         assert_eq!(command.at(&plan, 7.9), second);
+    }
+
+    #[test]
+    fn a_few_speeds_represent_the_distribution() {
+        let speeds = |speed| CommandPlan { speed, every: None, ramp: 0.0 }.speeds();
+        let mean = |speeds: &[f64]| speeds.iter().sum::<f64>() / speeds.len() as f64;
+        assert_eq!(CommandPlan::constant(0.3).speeds(), [0.3]);
+        assert_eq!(speeds(Sampler::Choice(vec![0.1, 0.9])), [0.1, 0.9]);
+        let uniform = speeds(Sampler::Uniform([0.0, 0.8]));
+        assert!((uniform[0] - 0.05).abs() < 1e-12 && (mean(&uniform) - 0.4).abs() < 1e-12, "{uniform:?}");
+        let normal = speeds(Sampler::Normal([0.5, 0.1]));
+        assert!((mean(&normal) - 0.5).abs() < 1e-9 && normal[7] > 0.6, "{normal:?}");
     }
 
     #[test]

@@ -14,6 +14,7 @@ pub mod interface;
 pub mod observation;
 pub mod privileged;
 pub mod scene;
+mod standing;
 pub mod start;
 pub mod stature;
 pub mod tally;

@@ -172,9 +172,10 @@ fn terms(section: Section<'_>) -> impl Iterator<Item = (&str, &str, Section<'_>)
 }
 
 /// Weighted terms and their names.
-type Rewards = (Vec<(f64, Box<dyn Reward>)>, Vec<String>);
+pub(super) type Rewards = (Vec<(f64, Box<dyn Reward>)>, Vec<String>);
 
-fn rewards(section: Section) -> Rewards {
+/// The terms of `[reward]`.
+pub(super) fn rewards(section: Section) -> Rewards {
     let mut rewards = Vec::new();
     let mut names = Vec::new();
     for (name, kind, term) in terms(section) {

@@ -67,7 +67,7 @@ pub struct UpdateMetrics {
     pub action_spread: BTreeMap<String, f64>,
     /// Share of the actor's hidden units that are zero in all of 256 states of the rollout.
     pub dead_units: Option<f64>,
-    /// Share of the control steps in single support.
+    /// Share of the control steps in which exactly one foot touches the ground.
     pub single_support: Option<f64>,
     /// Share of the control steps in which the reference motion is in single support.
     pub reference_single_support: Option<f64>,

@@ -159,6 +159,17 @@ pub fn replaced(tuning: Section) -> Vec<(String, String)> {
     fixed.chain(weights).collect()
 }
 
+/// The fields of a spec with the values that its fine-tuning puts in place of the training's.
+pub fn tuned(fields: &Table) -> Table {
+    let mut tuned = fields.clone();
+    for (place, own) in Section::new(fields).within::<FineTuning>().map(replaced).into_iter().flatten() {
+        if let Some(value) = at(fields, &own) {
+            replace(&mut tuned, &place, value.clone());
+        }
+    }
+    tuned
+}
+
 /// The path in the spec with these fields, or in the motion's file, of a path in a stage's fields:
 /// `evaluate.episodes` is `evaluate.nominal.episodes`. Without fields every possible key counts as set.
 pub fn spec_path(kind: StageKind, name: &str, path: &str, spec: Option<&Table>) -> String {

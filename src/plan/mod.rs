@@ -27,7 +27,7 @@ pub mod summary;
 pub mod why;
 
 pub use arm::{Arm, Request, Runs};
-pub use draft::{TUNED_ENV, Training, replaced};
+pub use draft::{TUNED_ENV, Training, replaced, tuned};
 pub use error::PlanError;
 pub use fingerprint::{Fingerprint, Recipe};
 pub use graph::{ArmRecord, Edge, Plan, Stage, User};

@@ -151,6 +151,8 @@ pub struct Update {
     pub return_mean: Option<f64>,
     /// Mean length of the episodes that ended in this update, in s.
     pub length_mean_s: Option<f64>,
+    /// Share of the control steps in which exactly one foot touches the ground.
+    pub single_support: Option<f64>,
     /// Mean KL divergence of the update.
     pub kl: Option<f64>,
     /// Share of the samples with a clipped probability ratio.

@@ -48,10 +48,12 @@ impl Returns {
 
     /// The mean over the episodes that ended in an update.
     pub fn value(self, run: &Arm, update: &Update) -> Option<f64> {
-        match self.integral {
-            true => Some(update.return_mean? / run.control_rate()?),
-            false => update.return_mean,
-        }
+        self.of_episode(run, update.return_mean?)
+    }
+
+    /// The return of an episode of a run.
+    pub fn of_episode(self, run: &Arm, value: f64) -> Option<f64> {
+        if self.integral { Some(value / run.control_rate()?) } else { Some(value) }
     }
 }
 

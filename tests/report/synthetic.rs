@@ -221,6 +221,7 @@ fn updates(quality: f64) -> Vec<Update> {
                 cpu_s: samples as f64 / 5000.0,
                 return_mean: (update > 2).then_some(length.min(16.0) * 250.0 * 1.28),
                 length_mean_s: (update > 2).then_some(length.min(16.0)),
+                single_support: Some(0.8 * growth / (1.0 + growth)),
                 kl: Some(0.011 * noise(&mut stream, 0.1)),
                 clip_fraction: Some(0.12),
                 explained_variance: Some((0.5 + 0.45 * share).min(0.97)),

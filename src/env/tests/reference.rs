@@ -1,105 +1,35 @@
 //! The reward of the reference motion, and of standing still: the table of docs/explanation/reward.md.
-//!
-//! Played kinematically: joints and base follow the reference (or rest in the default pose); torques and foot
-//! forces are those of gravity compensation, for running times 1 + a_z / g.
-
-use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
 use super::Recipe;
-use crate::env::tally;
+use crate::env::scene;
+use crate::env::standing::Moment;
 use crate::kinds::motion::Frame;
-use crate::kinds::{Signals, reward};
-use crate::robot::{GRAVITY, GravityCompensation, Robot, SelfCollision, Weighting};
-use crate::spec::Section;
-use crate::spec::section::RewardTerm;
-
-/// One control step of a robot that follows its command exactly.
-#[derive(Clone, Debug, Default)]
-struct Moment {
-    frame: Frame,
-    torque: Vec<f64>,
-    force: [[f64; 3]; 2],
-}
-
-fn moment(frame: &Frame, compensation: &mut GravityCompensation) -> Moment {
-    let [w, x, y, z] = frame.base_orientation;
-    let turn = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
-    let base = Isometry3::from_parts(Translation3::new(0.0, 0.0, frame.base_height), turn);
-    let share = (1.0 + frame.base_acceleration[2] / GRAVITY).max(0.0);
-    let balance = compensation.hold(&base, &frame.position, frame.contact);
-    Moment {
-        frame: frame.clone(),
-        torque: balance.torque.iter().map(|torque| share * torque).collect(),
-        force: [0, 1].map(|foot| [0, 1, 2].map(|axis| share * balance.wrench[foot][axis])),
-    }
-}
+use crate::robot::{GravityCompensation, SelfCollision, Weighting};
 
 /// Mean reward per step by term, over a cycle of 125 Hz steps: moving with the reference, or standing.
 fn rewards(recipe: &Recipe, stands: bool, command: f64) -> Vec<(String, f64)> {
     let blueprint = recipe.blueprint();
     let motion = blueprint.reference().into_owned();
-    let robot: &Robot = &blueprint.robot;
-    let mut compensation = GravityCompensation::new(robot, Weighting::EffortLimits);
-    let still = Frame {
-        position: robot.default_pose(),
-        velocity: vec![0.0; robot.joints()],
-        base_height: robot.standing_height,
-        base_orientation: [1.0, 0.0, 0.0, 0.0],
-        contact: [true; 2],
-        ..Frame::default()
-    };
+    let mut compensation = GravityCompensation::new(&blueprint.robot, Weighting::EffortLimits);
+    let still = Moment::standing(&blueprint.robot);
     let steps = (motion.period * 125.0).round() as usize;
-    let at = |step: usize, compensation: &mut GravityCompensation| {
+    let mut at = |step: usize| {
         let mut frame = Frame::default();
         motion.at(step as f64 / steps as f64, &mut frame);
-        (moment(if stands { &still } else { &frame }, compensation), frame)
+        (if stands { still.clone() } else { Moment::at(&frame, &mut compensation) }, frame)
     };
-    let section = blueprint.section("reward");
-    let mut sums: Vec<(String, f64)> = section.sections().map(|(name, _)| (name.to_owned(), 0.0)).collect();
-    let (mut before, _) = at(steps - 1, &mut compensation);
+    let (terms, names) = scene::rewards(blueprint.section("reward"));
+    let mut sums = vec![0.0; terms.len()];
+    let (mut before, _) = at(steps - 1);
     for step in 0..steps {
-        let (now, reference) = at(step, &mut compensation);
-        let signals = signals(&now, &before, &reference, command);
-        for ((_, sum), (name, term)) in sums.iter_mut().zip(section.sections()) {
-            *sum += value(name, term, &signals) / steps as f64;
+        let (now, reference) = at(step);
+        let signals = now.signals(&before, 0.008, &reference, command);
+        for (sum, (weight, term)) in sums.iter_mut().zip(&terms) {
+            *sum += weight * term.value(&signals) / steps as f64;
         }
         before = now;
     }
-    sums
-}
-
-fn value(name: &str, term: Section, signals: &Signals) -> f64 {
-    let entry = reward::KINDS.iter().find(|entry| entry.kind.name == name).unwrap();
-    term.value(RewardTerm::weight).unwrap() * (entry.build)(term).value(signals)
-}
-
-fn signals<'a>(now: &'a Moment, before: &'a Moment, reference: &'a Frame, command: f64) -> Signals<'a> {
-    Signals {
-        step: 0.008,
-        time: 1.0,
-        phase: 0.0,
-        phase_step: 0.0,
-        reference,
-        command_speed: command,
-        base_position: [0.0, 0.0, now.frame.base_height],
-        base_height: now.frame.base_height,
-        stature: 1.0,
-        base_orientation: now.frame.base_orientation,
-        base_velocity: now.frame.base_velocity,
-        mean_velocity: now.frame.base_velocity,
-        base_rate: now.frame.base_rate,
-        position: &now.frame.position,
-        velocity: &now.frame.velocity,
-        previous_velocity: &before.frame.velocity,
-        torque: &now.torque,
-        previous_torque: &before.torque,
-        foot_force: now.force,
-        previous_foot_force: before.force,
-        foot_contact: tally::contact(&now.force),
-        body_contact: false,
-        self_collision: false,
-        standing_start: false,
-    }
+    names.into_iter().zip(sums).collect()
 }
 
 /// Motion, command in m/s, k of the velocity kernel.
@@ -142,6 +72,25 @@ fn standing_on_the_walking_task_is_the_local_optimum_of_the_prototype() {
         let found = total(&rewards(&recipe, true, command));
         assert!((found - expected).abs() < 0.03, "{found}");
     }
+}
+
+#[test]
+fn the_return_of_standing_is_the_reward_per_step_over_the_whole_time_limit() {
+    // 16 s at 125 Hz are 2000 steps; the commanded speed is one or a range.
+    let standing = |speed: &'static str| {
+        let mut recipe = Recipe::new("tocabi", Some("walk"));
+        (recipe.speed, recipe.kernel) = (speed, 20.0);
+        (recipe.blueprint().standing_return(), recipe)
+    };
+    let (one, recipe) = standing("\"0.2 m/s\"");
+    let per_step = total(&rewards(&recipe, true, 0.2));
+    assert!((one / 2000.0 - per_step).abs() < 2e-3, "{one} and {per_step}");
+    let (range, _) = standing("{ uniform = [\"0.1 m/s\", \"0.3 m/s\"] }");
+    let speeds = [0.1, 0.15, 0.2, 0.25, 0.3].map(|speed| total(&rewards(&recipe, true, speed)));
+    // Simpson's rule.
+    let mean = (speeds[0] + 4.0 * speeds[1] + 2.0 * speeds[2] + 4.0 * speeds[3] + speeds[4]) / 12.0;
+    assert!((range / 2000.0 - mean).abs() < 2e-3, "{range} and {mean}");
+    assert!((range - one).abs() > 1.0, "the range of speeds counts");
 }
 
 #[test]

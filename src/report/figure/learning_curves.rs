@@ -1,6 +1,7 @@
-//! Learning curves: return and episode length against samples and against wall time.
+//! Learning curves: return, episode length and single support against samples, return against wall time.
 
 use super::Figure;
+use super::standing::{self, Level, levels};
 use crate::kinds::task::Walk;
 use crate::plan::Training;
 use crate::report::model::{Arm, ReportInput, Update};
@@ -9,6 +10,7 @@ use crate::report::plot::{Area, Axis, Drawing, Ink, Panel, Stroke};
 use crate::report::returns::Returns;
 use crate::report::source::sources;
 use crate::report::wording::{direct_labels, labels, number};
+use crate::statistics::summary::median;
 
 /// The figure's name.
 pub const ID: &str = "learning_curves";
@@ -26,22 +28,64 @@ const NO_LABELS: f64 = 18.0;
 /// Minimum width of a panel.
 const NARROWEST: f64 = 289.0;
 
-/// A quantity of an update, shown in a panel.
-struct Quantity {
-    title: &'static str,
-    label: &'static str,
-    of: fn(Returns, &Arm, &Update) -> Option<f64>,
+/// Share of the samples over which the running median extends.
+const SMOOTHED: f64 = 0.02;
+
+/// What a panel shows of every update.
+#[derive(Clone, Copy, PartialEq)]
+enum Quantity {
+    Return,
+    ReturnByWallTime,
+    Length,
+    SingleSupport,
 }
 
-fn quantities(returns: Returns) -> [Quantity; 2] {
-    [
-        Quantity { title: returns.title(), label: returns.label(), of: Returns::value },
-        Quantity {
-            title: "Length of an episode",
-            label: "length (s)",
-            of: |_, _, update| update.length_mean_s,
-        },
-    ]
+/// The panels, by row and column.
+const PANELS: [[Quantity; 2]; 2] =
+    [[Quantity::Return, Quantity::Length], [Quantity::ReturnByWallTime, Quantity::SingleSupport]];
+
+impl Quantity {
+    fn title(self, returns: Returns) -> String {
+        match self {
+            Self::Return => format!("{} against samples", returns.title()),
+            Self::ReturnByWallTime => format!("{} against wall time", returns.title()),
+            Self::Length => "Length of an episode against samples".to_owned(),
+            Self::SingleSupport => "Share of steps in single support".to_owned(),
+        }
+    }
+
+    fn label(self, returns: Returns) -> &'static str {
+        match self {
+            Self::Return | Self::ReturnByWallTime => returns.label(),
+            Self::Length => "length (s)",
+            Self::SingleSupport => "share of the steps (%)",
+        }
+    }
+
+    fn value(self, returns: Returns, arm: &Arm, update: &Update) -> Option<f64> {
+        match self {
+            Self::Return | Self::ReturnByWallTime => returns.value(arm, update),
+            Self::Length => update.length_mean_s,
+            Self::SingleSupport => Some(100.0 * update.single_support?),
+        }
+    }
+
+    fn is_by_wall_time(self) -> bool {
+        self == Self::ReturnByWallTime
+    }
+
+    fn is_return(self) -> bool {
+        matches!(self, Self::Return | Self::ReturnByWallTime)
+    }
+}
+
+/// The input of the figure.
+struct View<'a> {
+    input: &'a ReportInput,
+    training: Training,
+    returns: Returns,
+    /// The lines of standing still.
+    levels: Vec<Level>,
 }
 
 /// The figure of a training, if at least one arm has learned in it.
@@ -58,16 +102,19 @@ pub fn figure(input: &ReportInput, training: Training) -> Option<Figure> {
     let width = (0.5 * (WIDTH - LEFT - BETWEEN - 2.0 * room)).max(NARROWEST);
     let grid = Area { left: LEFT, top: 34.0, width: 2.0 * width + room + BETWEEN, height: 478.0 };
     let mut drawing = Drawing::new(grid.right() + room, 560.0, title);
-    for (column, quantity) in quantities(Returns::of(&input.arms)).iter().enumerate() {
-        for (row, wall) in [false, true].into_iter().enumerate() {
+    let returns = Returns::of(&input.arms);
+    let values = input.arms.iter().map(|arm| standing::standing(arm, training, returns)).enumerate();
+    let view = View { input, training, returns, levels: levels(values) };
+    for (row, quantities) in PANELS.iter().enumerate() {
+        for (column, quantity) in quantities.iter().enumerate() {
             let area = grid.cell([2, 2], [column, row], [room + BETWEEN, 78.0]);
-            panel(&mut drawing, (input, training), area, (quantity, wall));
+            view.panel(&mut drawing, area, *quantity);
         }
     }
     Some(Figure {
         id: id.to_string(),
         title: title.to_string(),
-        caption: caption(input, training),
+        caption: view.caption(),
         drawing,
         sources: sources(input, |arm| {
             arm.stage(training.stage()).map(|stage| stage.stage.clone()).into_iter().collect()
@@ -75,42 +122,108 @@ pub fn figure(input: &ReportInput, training: Training) -> Option<Figure> {
     })
 }
 
-fn panel(
-    drawing: &mut Drawing,
-    (input, training): (&ReportInput, Training),
-    area: Area,
-    (quantity, wall): (&Quantity, bool),
-) {
-    let returns = Returns::of(&input.arms);
-    let place = |update: &Update| if wall { update.wall_s / 60.0 } else { update.samples as f64 / 1e6 };
-    let curve = |arm: &Arm| -> Vec<(f64, f64)> {
-        let point = |update: &Update| Some((place(update), (quantity.of)(returns, arm, update)?));
-        arm.updates_of(training).iter().filter_map(point).collect()
+impl View<'_> {
+    /// Draws a panel, if any update has its quantity.
+    fn panel(&self, drawing: &mut Drawing, area: Area, quantity: Quantity) {
+        let (arms, returns) = (&self.input.arms, self.returns);
+        let by_wall_time = quantity.is_by_wall_time();
+        let place =
+            |update: &Update| if by_wall_time { update.wall_s / 60.0 } else { update.samples as f64 / 1e6 };
+        let curve = |arm: &Arm| -> Vec<Point> {
+            let point = |update: &Update| {
+                let (samples, y) = (update.samples as f64, quantity.value(returns, arm, update)?);
+                Some(Point { samples, x: place(update), y })
+            };
+            arm.updates_of(self.training).iter().filter_map(point).collect()
+        };
+        let curves: Vec<Vec<Point>> = arms.iter().map(curve).collect();
+        if curves.iter().all(Vec::is_empty) {
+            return;
+        }
+        let limit = if quantity == Quantity::Length { episode_limit(self.input) } else { None };
+        let levels = if quantity.is_return() { self.levels.as_slice() } else { &[] };
+        let last = arms.iter().flat_map(|arm| arm.updates_of(self.training)).map(place).fold(0.0, f64::max);
+        let x_label =
+            if by_wall_time { "wall time (min)".to_string() } else { samples_label(arms, self.training) };
+        let heights = curves.iter().flatten().map(|point| point.y).chain(limit);
+        let panel = Panel {
+            area,
+            x: Axis::over(x_label, [0.0, last.max(1e-6)], 6),
+            y: Axis::from_zero(
+                quantity.label(returns),
+                heights.chain(levels.iter().map(|level| level.value)),
+                5,
+            ),
+        };
+        panel.frame(drawing, &quantity.title(returns));
+        if let Some(limit) = limit {
+            panel.level(drawing, limit, Stroke::dashed(Ink::Reference, 1.2));
+        }
+        for (place, curve) in curves.iter().enumerate() {
+            let raw: Vec<(f64, f64)> = curve.iter().map(|point| (point.x, point.y)).collect();
+            panel.line(drawing, &raw, Stroke::solid(Ink::Arm(place), 0.8).faint(0.35));
+        }
+        let names = direct_labels(arms);
+        let mut ends = Vec::new();
+        for (place, curve) in curves.iter().enumerate() {
+            let smooth = running_median(curve);
+            panel.line(drawing, &smooth, Stroke::solid(Ink::Arm(place), 1.8));
+            ends.extend(smooth.last().map(|(_, y)| (*y, names[place].clone(), Ink::Arm(place))));
+        }
+        standing::draw(drawing, &panel, levels, |arm| names[arm].clone());
+        if arms.len() > 1 {
+            panel.end_labels(drawing, &ends);
+        }
+    }
+
+    fn caption(&self) -> String {
+        let arms = &self.input.arms;
+        let names = labels(arms);
+        let of_arm = |(arm, name): (&Arm, &String)| {
+            let updates = arm.updates_of(self.training);
+            let hours = updates.last().map_or(0.0, |update| update.simulated_s / 3600.0);
+            format!("{name}: {} updates, {} simulated hours", updates.len(), number(hours))
+        };
+        let each: Vec<String> = arms.iter().zip(&names).map(of_arm).collect();
+        let begins = match self.training {
+            Training::First => "",
+            Training::FineTuning => " The fine-tuning begins with the policies of the first training.",
+        };
+        let has_support =
+            arms.iter().flat_map(|arm| arm.updates_of(self.training)).any(|u| u.single_support.is_some());
+        let support = match has_support {
+            true => " Single support: exactly one foot touches the ground, over all steps of an update.",
+            false => "",
+        };
+        let standing = if self.levels.is_empty() { "" } else { standing::CAPTION };
+        format!(
+            "Means over the training episodes that ended in each update, with exploration noise; one run \
+             (seed) per arm ({}). Faint: every update; lines: running medians over {} % of the samples. \
+             Dashed in the panel of the length: the time limit of an episode.{standing}{support}{begins}{}",
+            each.join("; "),
+            100.0 * SMOOTHED,
+            self.returns.remark()
+        )
+    }
+}
+
+/// A point of a curve.
+struct Point {
+    samples: f64,
+    x: f64,
+    y: f64,
+}
+
+/// The median of the points around each point, within [`SMOOTHED`] of the curve's samples.
+fn running_median(curve: &[Point]) -> Vec<(f64, f64)> {
+    let reach = 0.5 * SMOOTHED * curve.last().map_or(0.0, |point| point.samples);
+    let around = |point: &Point| {
+        let first = curve.partition_point(|other| other.samples < point.samples - reach);
+        let end = curve.partition_point(|other| other.samples <= point.samples + reach);
+        let heights: Vec<f64> = curve[first..end].iter().map(|point| point.y).collect();
+        Some((point.x, median(&heights)?))
     };
-    let curves: Vec<Vec<(f64, f64)>> = input.arms.iter().map(curve).collect();
-    let limit = if quantity.label == "length (s)" { episode_limit(input) } else { None };
-    let last = input.arms.iter().flat_map(|arm| arm.updates_of(training)).map(place).fold(0.0, f64::max);
-    let x_label = if wall { "wall time (min)".to_string() } else { samples_label(&input.arms, training) };
-    let heights = curves.iter().flatten().map(|(_, y)| *y).chain(limit);
-    let panel = Panel {
-        area,
-        x: Axis::over(x_label, [0.0, last.max(1e-6)], 6),
-        y: Axis::from_zero(quantity.label, heights, 5),
-    };
-    let title = format!("{} against {}", quantity.title, if wall { "wall time" } else { "samples" });
-    panel.frame(drawing, &title);
-    if let Some(limit) = limit {
-        panel.level(drawing, limit, Stroke::dashed(Ink::Reference, 1.2));
-    }
-    let names = direct_labels(&input.arms);
-    let mut ends = Vec::new();
-    for (place, curve) in curves.iter().enumerate() {
-        panel.line(drawing, curve, Stroke::solid(Ink::Arm(place), 1.8));
-        ends.extend(curve.last().map(|(_, y)| (*y, names[place].clone(), Ink::Arm(place))));
-    }
-    if input.arms.len() > 1 {
-        panel.end_labels(drawing, &ends);
-    }
+    curve.iter().filter_map(around).collect()
 }
 
 /// The longest time limit of the arms' tasks, in s.
@@ -137,22 +250,22 @@ fn samples_label(arms: &[Arm], training: Training) -> String {
     }
 }
 
-fn caption(input: &ReportInput, training: Training) -> String {
-    let names = labels(&input.arms);
-    let of_arm = |(arm, name): (&Arm, &String)| {
-        let updates = arm.updates_of(training);
-        let hours = updates.last().map_or(0.0, |update| update.simulated_s / 3600.0);
-        format!("{name}: {} updates, {} simulated hours", updates.len(), number(hours))
-    };
-    let arms: Vec<String> = input.arms.iter().zip(&names).map(of_arm).collect();
-    let begins = match training {
-        Training::First => "",
-        Training::FineTuning => " The fine-tuning begins with the policies of the first training.",
-    };
-    format!(
-        "Means over the training episodes that ended in each update, with exploration noise; one run (seed) \
-         per arm ({}). Dashed: the time limit of an episode.{begins}{}",
-        arms.join("; "),
-        Returns::of(&input.arms).remark()
-    )
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_runs_over_a_share_of_the_samples_and_ignores_single_outliers() {
+        let point = |index: u32| {
+            let samples = f64::from(index) * 1000.0;
+            Point { samples, x: samples / 1e6, y: if index % 7 == 3 { 0.0 } else { samples } }
+        };
+        let curve: Vec<Point> = (1..=1000).map(point).collect();
+        let smooth = running_median(&curve);
+        assert_eq!(smooth.len(), curve.len());
+        let off = |(smooth, point): (&(f64, f64), &Point)| (smooth.1 - point.samples).abs();
+        assert!(smooth.iter().zip(&curve).map(off).fold(0.0, f64::max) < 11_000.0);
+        let few = running_median(&curve[..1]);
+        assert_eq!(few, [(0.001, 1000.0)], "a single point is its own median");
+    }
 }

@@ -5,6 +5,7 @@ pub mod endings;
 pub mod learning_curves;
 pub mod skeleton;
 pub mod speed;
+pub mod standing;
 pub mod suite;
 pub mod time_lapse;
 pub mod torques;

@@ -116,6 +116,16 @@ impl Panel {
         drawing.line(&[self.place(self.x.range[0], y), self.place(self.x.range[1], y)], stroke);
     }
 
+    /// Writes labels over horizontal lines at these heights, at the left end, moved apart if they would
+    /// overlap.
+    pub fn level_labels(&self, drawing: &mut Drawing, labels: &[(f64, String)], ink: Ink) {
+        let wanted: Vec<f64> = labels.iter().map(|(y, _)| self.place(0.0, *y)[1] - 4.0).collect();
+        let places = spread(&wanted, 12.0, [self.area.top + 10.0, self.area.bottom() - 4.0]);
+        for ((_, text), y) in labels.iter().zip(places) {
+            drawing.text([self.area.left + 5.0, y], text, ink, Anchor::Start).size = 11.0;
+        }
+    }
+
     /// Fills the area between two curves with common x values.
     pub fn band(&self, drawing: &mut Drawing, values: &[(f64, f64, f64)], ink: Ink, opacity: f64) {
         let upper = values.iter().map(|(x, _, high)| self.place(*x, *high));

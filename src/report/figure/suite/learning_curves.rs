@@ -3,6 +3,7 @@
 
 use super::View;
 use crate::plan::Training;
+use crate::report::figure::standing::{self, levels};
 use crate::report::figure::{Figure, learning_curves};
 use crate::report::group::{self, Group, varying};
 use crate::report::model::{Arm, Update};
@@ -101,7 +102,15 @@ pub fn figure(view: &View) -> Option<Figure> {
     };
     let mut drawing = Drawing::new(grid.right() + room, grid.bottom() + BELOW, title);
     let heights = drawn().flat_map(|curve| curve.mean.iter().copied().chain(curve.peak()));
-    let y = Axis::from_zero(returns.label(), heights, 5);
+    let standing =
+        |group: &Group| group.runs.iter().find_map(|run| standing::standing(run, training, returns));
+    let still: Vec<Option<f64>> = groups.iter().map(standing).collect();
+    let learned = |arm: &usize| has_curve(*arm);
+    let y = Axis::from_zero(
+        returns.label(),
+        heights.chain((0..groups.len()).filter(learned).filter_map(|arm| still[arm])),
+        5,
+    );
     for (across, effort) in efforts.iter().enumerate() {
         for (down, row) in rows.iter().enumerate() {
             // The points of the first axis may have different budgets; rows of the same point share an axis
@@ -123,6 +132,8 @@ pub fn figure(view: &View) -> Option<Figure> {
                     &Axis::over(SIMULATED.label, [0.0, hours * last.max(1e-6)], 5),
                 );
             }
+            let levels = levels(row.arms.iter().enumerate().map(|(place, arm)| (place, still[*arm])));
+            standing::draw(&mut drawing, &panel, &levels, |place| names[down][place].clone());
             let ends = draw_all(&mut drawing, &panel, (row, &inks[down]), &curves[across]);
             if across + 1 == columns {
                 let ink = |place: usize| Ink::Arm(inks[down][place]);
@@ -135,7 +146,9 @@ pub fn figure(view: &View) -> Option<Figure> {
     Some(Figure {
         id: view.id(),
         title: title.to_string(),
-        caption: caption(groups, hours, (training, returns)) + shared(&inks),
+        caption: caption(groups, hours, (training, returns))
+            + shared(&inks)
+            + if still.iter().any(Option::is_some) { standing::CAPTION } else { "" },
         drawing,
         sources: group::sources(groups, training.stage()),
     })
