@@ -60,10 +60,11 @@ pub fn of_claims(judged: &[Judged]) -> Table {
     heads.extend(of_paper.then_some("the paper"));
     heads.extend(["measured", "verdict"]);
     let mut table = Table::new("verdicts", "Verdicts", heads.into_iter().map(String::from));
+    let claims = judged.len();
     for judged in judged {
         let paper = judged.paper.as_ref().map_or_else(|| "\u{2013}".to_owned(), |paper| paper.in_words());
         let mut cells: Vec<String> = of_paper.then_some(paper).into_iter().collect();
-        cells.push(claim::in_brief(judged));
+        cells.push(claim::in_brief(judged, claims));
         cells.push(format!("**{}**", judged.verdict.word()));
         let sources = judged.cases.iter().flat_map(|case| case.sources.clone()).collect();
         let label = judged.text.trim_end_matches('.');

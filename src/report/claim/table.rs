@@ -18,7 +18,7 @@ pub fn table(judged: &[Judged]) -> Table {
     for claim in judged {
         if claim.cases.is_empty() || !claim.alternatives.is_empty() {
             let sources = claim.cases.iter().flat_map(|case| case.sources.clone()).collect();
-            table.row_from(&claim.id, &format!("`{}`", claim.id), row(claim, None), sources);
+            table.row_from(&claim.id, &format!("`{}`", claim.id), row(claim, None, judged.len()), sources);
         }
         for case in &claim.cases {
             let (name, label) = match case.label.as_str() {
@@ -27,7 +27,7 @@ pub fn table(judged: &[Judged]) -> Table {
                     (format!("{}/{label}", claim.id), format!("`{}`, {}", claim.id, arm_in_words(label)))
                 }
             };
-            table.row_from(&name, &label, row(claim, Some(case)), case.sources.clone());
+            table.row_from(&name, &label, row(claim, Some(case), judged.len()), case.sources.clone());
         }
     }
     table.sources =
@@ -37,13 +37,14 @@ pub fn table(judged: &[Judged]) -> Table {
     table
 }
 
-fn row(claim: &Judged, case: Option<&Case>) -> Vec<Cell> {
+/// `claims`: how many claims the page has.
+fn row(claim: &Judged, case: Option<&Case>, claims: usize) -> Vec<Cell> {
     let own = case.filter(|_| claim.cases.len() > 1);
     let verdict = own.map_or_else(|| claim.verdict.word(), |case| claim.word_of(case));
     let measured = match case {
         Some(case) => shown(case),
         None if claim.cases.is_empty() => "\u{2013}".to_owned(),
-        None => in_brief(claim),
+        None => in_brief(claim, claims),
     };
     let measured = Cell::from(measured);
     let p = match (case.and_then(|case| case.p), claim.p_adjusted) {
@@ -142,22 +143,45 @@ pub fn meaningless(judged: &[Judged]) -> Option<String> {
 }
 
 /// The measurement in a table of many suites: the number with its interval and n, or how many comparisons
-/// pass.
-pub fn in_brief(claim: &Judged) -> String {
-    match claim.cases.as_slice() {
-        [] => "nothing was measured".to_owned(),
-        [case] => format!("{} (n = {})", shown(case), counted(claim, case)),
+/// pass; and that only the correction for this number of claims leaves the claim open.
+pub fn in_brief(claim: &Judged, claims: usize) -> String {
+    let corrected = || format!("alone, not established after the correction for {claims} claims");
+    match (claim.cases.as_slice(), alone(claim)) {
+        ([], _) => "nothing was measured".to_owned(),
+        ([case], alone) => {
+            let alone = alone.map_or_else(String::new, |verdict| match verdict {
+                Ruling::Fail => format!("; fails {}", corrected()),
+                _ => format!("; passes {}", corrected()),
+            });
+            format!("{} (n = {}){alone}", shown(case), counted(claim, case))
+        }
         _ if !claim.alternatives.is_empty() => alternatives(claim),
-        cases => {
+        (cases, alone) => {
             let count = |ruling| cases.iter().filter(|case| case.verdict == ruling).count();
             let range = range(cases).map_or_else(String::new, |range| format!("{range}; "));
-            format!(
-                "{range}of {} comparisons {} pass, {} fail",
-                cases.len(),
-                count(Ruling::Pass),
-                count(Ruling::Fail)
-            )
+            let (all, pass, fail) = (cases.len(), count(Ruling::Pass), count(Ruling::Fail));
+            match alone {
+                Some(Ruling::Fail) => format!("{range}{fail} of {all} comparisons fail {}", corrected()),
+                Some(_) => format!("{range}{pass} of {all} comparisons pass {}", corrected()),
+                None => format!("{range}of {all} comparisons {pass} pass, {fail} fail"),
+            }
         }
+    }
+}
+
+/// What a claim would be without the correction for several claims; `None` if the correction does not decide.
+fn alone(claim: &Judged) -> Option<Ruling> {
+    let exceeds = |p: Option<f64>| p.is_some_and(|p| p > claim.alpha);
+    let is_corrected = claim.verdict == Ruling::NotEstablished
+        && claim.missing.is_empty()
+        && claim.alternatives.is_empty()
+        && exceeds(claim.p_adjusted)
+        && !exceeds(claim.p);
+    let is = |ruling: Ruling| move |case: &Case| case.verdict == ruling;
+    match is_corrected {
+        true if claim.cases.iter().any(is(Ruling::Fail)) => Some(Ruling::Fail),
+        true if claim.cases.iter().all(is(Ruling::Pass)) => Some(Ruling::Pass),
+        _ => None,
     }
 }
 

@@ -666,10 +666,34 @@ fn several_comparisons_are_told_with_their_smallest_and_largest_estimate() {
         verdict: Ruling::Pass,
         ..Case::default()
     };
-    let brief = |cases: Vec<Case>| in_brief(&Judged { cases, ..Judged::default() });
+    let brief = |cases: Vec<Case>| in_brief(&Judged { cases, ..Judged::default() }, 1);
     let distances = vec![case(0.08, "rad"), case(0.04, "rad"), case(0.06, "rad")];
     assert_eq!(brief(distances), "0.04 to 0.08 rad; of 3 comparisons 3 pass, 0 fail");
     assert_eq!(brief(vec![case(1.0, "rad"), case(1.0, "rad")]), "1.00 rad; of 2 comparisons 2 pass, 0 fail");
     let unknown = Case { verdict: Ruling::Pass, ..Case::default() };
     assert_eq!(brief(vec![case(1.0, "rad"), unknown]), "of 2 comparisons 2 pass, 0 fail");
+}
+
+#[test]
+fn a_claim_that_only_the_correction_leaves_open_says_so_beside_its_numbers() {
+    let case = |verdict| Case {
+        estimate: Estimate { value: Some(1.0), digits: 1, unit: "rad".into(), ..Estimate::default() },
+        verdict,
+        n: vec![3],
+        ..Case::default()
+    };
+    let brief = |cases: Vec<Case>, p: f64| {
+        let unit = "run".to_owned();
+        let p_adjusted = Some(2.0 * p);
+        in_brief(&Judged { cases, unit, alpha: 0.05, p: Some(p), p_adjusted, ..Judged::default() }, 5)
+    };
+    let corrected = "alone, not established after the correction for 5 claims";
+    let (pass, fail, open) = (case(Ruling::Pass), case(Ruling::Fail), case(Ruling::NotEstablished));
+    let both = vec![pass.clone(), pass.clone()];
+    assert_eq!(brief(both.clone(), 0.03), format!("1.0 rad; 2 of 2 comparisons pass {corrected}"));
+    assert_eq!(brief(both, 0.001), "1.0 rad; of 2 comparisons 2 pass, 0 fail");
+    let failing = vec![pass.clone(), fail];
+    assert_eq!(brief(failing, 0.03), format!("1.0 rad; 1 of 2 comparisons fail {corrected}"));
+    assert_eq!(brief(vec![pass.clone(), open], 0.03), "1.0 rad; of 2 comparisons 1 pass, 0 fail");
+    assert_eq!(brief(vec![pass], 0.03), format!("1.0 rad (n = 3 runs); passes {corrected}"));
 }

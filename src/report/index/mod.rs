@@ -242,7 +242,7 @@ impl Index {
             cells.extend(match self.state(suite, claim) {
                 State::Judged(judged) => {
                     let verdict = format!("**{}**{}", judged.verdict.word(), self.reservation(suite));
-                    [claim::in_brief(judged), verdict]
+                    [claim::in_brief(judged, suite.claims.len()), verdict]
                 }
                 State::Changed => ["\u{2013}".to_owned(), "changed since, render again".to_owned()],
                 State::NotRun => ["\u{2013}".to_owned(), "not run".to_owned()],

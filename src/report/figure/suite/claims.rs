@@ -3,6 +3,7 @@
 
 use super::View;
 use crate::report::claim::{Case, Judged, Ruling};
+use crate::report::estimate::Estimate;
 use crate::report::figure::Figure;
 use crate::report::plot::axis::written;
 use crate::report::plot::drawing::text_width;
@@ -18,11 +19,16 @@ const HEAD: f64 = 10.0;
 const BELOW: f64 = 44.0;
 /// Width of the panels.
 const WIDTH: f64 = 400.0;
+/// More comparisons of a claim than this share a row.
+const APART: usize = 6;
+/// Height of the marks of the comparisons that share a row with the worst of them, in pixels.
+const SPREAD: f64 = 14.0;
 
-/// A comparison of a claim.
+/// A comparison of a claim, or the worst of many with the others.
 struct Row<'a> {
     claim: &'a Judged,
     case: &'a Case,
+    others: Vec<&'a Case>,
     among: Among,
 }
 
@@ -35,6 +41,8 @@ enum Among {
     First,
     /// A later one.
     Later,
+    /// The worst of many, which share its row; the claim's name is on a separate line above it.
+    Worst,
 }
 
 /// The figure, if at least one claim was measured.
@@ -56,19 +64,20 @@ pub fn figure(view: &View) -> Option<Figure> {
         panel(&mut drawing, area, label, rows);
         top = area.bottom() + BELOW;
     }
-    let mut sources: Vec<_> = rows().flat_map(|row| row.case.sources.clone()).collect();
+    let cases = || rows().flat_map(Row::cases);
+    let mut sources: Vec<_> = cases().flat_map(|case| case.sources.clone()).collect();
     sources.sort();
     sources.dedup();
     Some(Figure {
         id: ID.to_string(),
         title: "Claims".to_string(),
-        caption: caption(&claims, rows().count()),
+        caption: caption(&claims, cases().count(), rows().any(|row| row.among == Among::Worst)),
         drawing,
         sources,
     })
 }
 
-fn caption(claims: &[Judged], rows: usize) -> String {
+fn caption(claims: &[Judged], cases: usize, shares_rows: bool) -> String {
     let count = |ruling| claims.iter().filter(|claim| claim.verdict == ruling).count();
     let over = match claims.iter().any(|claim| !claim.alternatives.is_empty()) {
         true => {
@@ -80,10 +89,18 @@ fn caption(claims: &[Judged], rows: usize) -> String {
     let has_number =
         claims.iter().any(|claim| claim.paper.as_ref().is_some_and(|paper| paper.number.is_some()));
     let paper = if has_number { " Diamonds: what the paper reports." } else { "" };
+    let shared = match shares_rows {
+        true => format!(
+            " A claim with more than {APART} comparisons has one row: the labelled one is the worst, closest \
+             to or farthest beyond what the claim expects, and the thin marks are the others."
+        ),
+        false => String::new(),
+    };
     format!(
         "Estimates with their intervals; shaded: what the claim expects.{paper} Filled dots pass, crosses \
-         fail, rings are not established, before the correction for several claims. {rows} comparisons of {} \
-         claims: {} pass, {} fail, {} are not established or not meaningful. n counts runs or episodes.{over}",
+         fail, rings are not established, each comparison alone; the verdict on a claim is corrected for the \
+         number of claims.{shared} {cases} comparisons of {} claims: {} pass, {} fail, {} are not established \
+         or not meaningful. n counts runs or episodes.{over}",
         claims.len(),
         count(Ruling::Pass),
         count(Ruling::Fail),
@@ -95,23 +112,51 @@ fn caption(claims: &[Judged], rows: usize) -> String {
 fn panels(claims: &[Judged]) -> Vec<(String, Vec<Row<'_>>)> {
     let mut panels: Vec<(String, Vec<Row<'_>>)> = Vec::new();
     for claim in claims {
+        let mut by_label: Vec<(String, Vec<&Case>)> = Vec::new();
         for case in &claim.cases {
-            let (label, row) = (axis_label(claim, case), Row { claim, case, among: Among::Alone });
+            let label = axis_label(claim, case);
+            match by_label.iter_mut().find(|(known, _)| *known == label) {
+                Some((_, cases)) => cases.push(case),
+                None => by_label.push((label, vec![case])),
+            }
+        }
+        for (label, cases) in by_label {
+            let rows = rows(claim, cases);
             match panels.iter_mut().find(|(known, _)| *known == label) {
-                Some((_, rows)) => rows.push(row),
-                None => panels.push((label, vec![row])),
+                Some((_, known)) => known.extend(rows),
+                None => panels.push((label, rows)),
             }
         }
     }
-    for (_, rows) in &mut panels {
-        for several in
-            rows.chunk_by_mut(|one, next| one.claim.id == next.claim.id).filter(|rows| rows.len() > 1)
-        {
-            several.iter_mut().for_each(|row| row.among = Among::Later);
-            several[0].among = Among::First;
-        }
-    }
     panels
+}
+
+/// The rows of a claim's comparisons: many share that of the worst.
+fn rows<'a>(claim: &'a Judged, mut cases: Vec<&'a Case>) -> Vec<Row<'a>> {
+    let row = |case, among| Row { claim, case, others: Vec::new(), among };
+    if cases.len() > APART && claim.alternatives.is_empty() {
+        let by_margin = |a: &usize, b: &usize| margin(claim, cases[*a]).total_cmp(&margin(claim, cases[*b]));
+        let worst = (0..cases.len()).min_by(by_margin).unwrap_or(0);
+        let case = cases.remove(worst);
+        return vec![Row { others: cases, ..row(case, Among::Worst) }];
+    }
+    let among = |place| match (cases.len(), place) {
+        (1, _) => Among::Alone,
+        (_, 0) => Among::First,
+        _ => Among::Later,
+    };
+    cases.iter().enumerate().map(|(place, case)| row(*case, among(place))).collect()
+}
+
+/// How far a comparison's interval is within what the claim expects; negative beyond it, and least where
+/// nothing was measured.
+fn margin(claim: &Judged, case: &Case) -> f64 {
+    let Estimate { value, low, high, .. } = case.estimate;
+    let [above, below] = [(low.or(value), claim.bounds[0], 1.0), (high.or(value), claim.bounds[1], -1.0)]
+        .map(|(end, bound, sign)| {
+            bound.map(|bound| end.map_or(f64::NEG_INFINITY, |end| sign * (end - bound)))
+        });
+    [above, below].into_iter().flatten().fold(f64::INFINITY, f64::min)
 }
 
 /// Height of all rows, including the claim names above them.
@@ -138,9 +183,15 @@ fn axis_label(claim: &Judged, case: &Case) -> String {
 }
 
 impl Row<'_> {
+    /// Its comparisons.
+    fn cases(&self) -> impl Iterator<Item = &Case> {
+        [self.case].into_iter().chain(self.others.iter().copied())
+    }
+
     fn label(&self) -> String {
         let case = arm_in_words(&self.case.label);
         let text = match (self.among, case.as_str()) {
+            (Among::Worst, label) => format!("worst of {}: {label}", 1 + self.others.len()),
             (Among::Alone, "") => self.claim.id.clone(),
             (Among::Alone, label) => format!("{}, {label}", self.claim.id),
             (Among::First | Among::Later, label) => label.to_owned(),
@@ -148,14 +199,19 @@ impl Row<'_> {
         shortened(&text, 44)
     }
 
-    /// The text above it: the claim's name for the first of several.
+    /// Whether the claim's name is above it.
+    fn has_heading(&self) -> bool {
+        matches!(self.among, Among::First | Among::Worst)
+    }
+
+    /// The text above it: the claim's name for the first of several, or for all of them.
     fn heading(&self) -> String {
-        if self.among == Among::First { shortened(&self.claim.id, 44) } else { String::new() }
+        if self.has_heading() { shortened(&self.claim.id, 44) } else { String::new() }
     }
 
     /// Height, including its heading.
     fn height(&self) -> f64 {
-        if self.among == Among::First { 2.0 * ROW } else { ROW }
+        if self.has_heading() { 2.0 * ROW } else { ROW }
     }
 
     fn scale(&self) -> f64 {
@@ -210,11 +266,11 @@ impl Row<'_> {
 
     /// The values that the axis must include.
     fn reach(&self) -> impl Iterator<Item = f64> {
-        let Case { estimate, .. } = self.case;
         let [low, high] = self.claim.bounds;
         let paper = self.claim.paper.as_ref().and_then(|paper| Some(paper.number.as_ref()?.si));
-        let own = [estimate.value, estimate.low, estimate.high, low, high, paper];
-        own.map(|value| self.place(value)).into_iter().flatten()
+        let ends = |case: &Case| [case.estimate.value, case.estimate.low, case.estimate.high];
+        let all = self.cases().flat_map(ends).chain([low, high, paper]);
+        all.filter_map(|value| self.place(value))
     }
 }
 
@@ -238,7 +294,7 @@ fn panel(drawing: &mut Drawing, area: Area, label: &str, rows: &[Row]) {
     }
     for (top, row) in tops {
         let y = top + 0.5 * ROW;
-        if row.among == Among::First {
+        if row.has_heading() {
             drawing.text([area.left - 10.0, y - ROW + 4.0], row.heading(), Ink::Text, Anchor::End).bold =
                 true;
         }
@@ -270,6 +326,19 @@ fn shade(drawing: &mut Drawing, panel: &Panel, row: &Row, top: f64) {
 
 fn draw(drawing: &mut Drawing, panel: &Panel, row: &Row, y: f64) {
     let across = |value: f64| panel.place(value, 0.0)[0];
+    let step = SPREAD / row.others.len().max(1) as f64;
+    for (place, case) in row.others.iter().enumerate() {
+        let y = y + step * (place as f64 + 0.5) - 0.5 * SPREAD;
+        let [value, low, high] =
+            [case.estimate.value, case.estimate.low, case.estimate.high].map(|value| row.place(value));
+        if let [Some(low), Some(high)] = [low, high] {
+            let ends = [[across(low), y], [across(high), y]];
+            drawing.line(&ends, Stroke::solid(Ink::Muted, 0.8).faint(0.6));
+        }
+        if let Some(value) = value {
+            drawing.dot([across(value), y], 1.3, Ink::Muted, 0.8);
+        }
+    }
     let ink = match row.ruling() {
         Ruling::Pass => Ink::Arm(0),
         Ruling::Fail => Ink::Arm(1),
