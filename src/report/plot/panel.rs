@@ -116,11 +116,13 @@ impl Panel {
         drawing.line(&[self.place(self.x.range[0], y), self.place(self.x.range[1], y)], stroke);
     }
 
-    /// Writes labels over horizontal lines at these heights, at the left end, moved apart if they would
-    /// overlap.
+    /// Writes labels over horizontal lines at these heights, at the left end, below lines at the upper edge;
+    /// moved apart if they would overlap.
     pub fn level_labels(&self, drawing: &mut Drawing, labels: &[(f64, String)], ink: Ink) {
-        let wanted: Vec<f64> = labels.iter().map(|(y, _)| self.place(0.0, *y)[1] - 4.0).collect();
-        let places = spread(&wanted, 12.0, [self.area.top + 10.0, self.area.bottom() - 4.0]);
+        let top = self.area.top;
+        let beside = |line: f64| if line - top < 15.0 { line + 12.0 } else { line - 4.0 };
+        let wanted: Vec<f64> = labels.iter().map(|(y, _)| beside(self.place(0.0, *y)[1])).collect();
+        let places = spread(&wanted, 12.0, [top + 10.0, self.area.bottom() - 4.0]);
         for ((_, text), y) in labels.iter().zip(places) {
             drawing.text([self.area.left + 5.0, y], text, ink, Anchor::Start).size = 11.0;
         }

@@ -34,6 +34,7 @@ pub const FIGURES: &[(&str, About)] = &[
     ("return_histogram", About::Stage),
     ("speeds", About::MetricOrNothing),
     ("survival_grid", About::Stage),
+    ("time_lapse", About::Nothing),
 ];
 
 /// A figure requested by a suite.

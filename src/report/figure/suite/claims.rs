@@ -55,7 +55,11 @@ pub fn figure(view: &View) -> Option<Figure> {
     let rows = || panels.iter().flat_map(|(_, rows)| rows);
     let widths = rows().map(|row| width_of(&row.label(), false).max(width_of(&row.heading(), true)));
     let left = 18.0 + widths.fold(0.0, f64::max);
-    let right = 24.0 + rows().map(|row| width_of(&row.words(), row.is_decided())).fold(0.0, f64::max);
+    let beside = |row: &Row| match row.has_heading() {
+        true => width_of(&row.words(), row.is_decided()).max(width_of(&row.verdict(), false)),
+        false => width_of(&row.words(), row.is_decided()),
+    };
+    let right = 24.0 + rows().map(beside).fold(0.0, f64::max);
     let height: f64 = panels.iter().map(|(_, rows)| HEAD + lines(rows) + BELOW).sum();
     let mut drawing = Drawing::new(left + WIDTH + right, height + 8.0, "Claims");
     let mut top = 8.0;
@@ -209,6 +213,11 @@ impl Row<'_> {
         if self.has_heading() { shortened(&self.claim.id, 44) } else { String::new() }
     }
 
+    /// The verdict on the claim, beside its name.
+    fn verdict(&self) -> String {
+        format!("the claim: {}", self.claim.verdict.word())
+    }
+
     /// Height, including its heading.
     fn height(&self) -> f64 {
         if self.has_heading() { 2.0 * ROW } else { ROW }
@@ -295,8 +304,9 @@ fn panel(drawing: &mut Drawing, area: Area, label: &str, rows: &[Row]) {
     for (top, row) in tops {
         let y = top + 0.5 * ROW;
         if row.has_heading() {
-            drawing.text([area.left - 10.0, y - ROW + 4.0], row.heading(), Ink::Text, Anchor::End).bold =
-                true;
+            let y = y - ROW + 4.0;
+            drawing.text([area.left - 10.0, y], row.heading(), Ink::Text, Anchor::End).bold = true;
+            drawing.text([area.right() + 12.0, y], row.verdict(), Ink::Muted, Anchor::Start);
         }
         for bound in row.bounds(&panel).into_iter().flatten() {
             drawing

@@ -9,6 +9,7 @@ pub mod grid;
 pub mod learning_curves;
 pub mod return_histogram;
 pub mod speeds;
+pub mod time_lapse;
 
 use super::Figure;
 use crate::report::group::{Group, groups};
@@ -17,11 +18,12 @@ use crate::report::source::Source;
 use crate::spec::suite::Wanted;
 
 /// The figures of a suite without a list; those without data are omitted.
-const USUAL: [&str; 7] = [
+const USUAL: [&str; 8] = [
     "learning_curves",
     "claims",
     "survival_grid",
     "speeds",
+    "time_lapse",
     "return_histogram",
     "failure_loadings",
     "failure_deciles",
@@ -66,6 +68,7 @@ fn drawer(name: &str) -> Option<Draw> {
         "return_histogram" => return_histogram::figure,
         "speeds" => speeds::figure,
         "survival_grid" => grid::survival,
+        "time_lapse" => time_lapse::figure,
         _ => return None,
     };
     Some(draw)
