@@ -3,11 +3,11 @@
 
 use super::View;
 use crate::report::figure::{Figure, time_lapse};
+use crate::report::group::{Group, varying};
 use crate::report::model::{Arm, Measured};
 use crate::report::plot::axis::written;
 use crate::report::plot::{Anchor, Drawing, Ink};
 use crate::report::source::Source;
-use crate::report::suite::{Group, varying};
 use crate::report::wording::arm_in_words;
 use crate::sim::Terrain;
 
