@@ -13,12 +13,14 @@ use std::sync::OnceLock;
 
 use made_up_suite::suite;
 use specforge::diag::Sources;
+use specforge::outcome::Trace;
 use specforge::report::figure::{self, Figure};
+use specforge::report::model::ReportInput;
 use specforge::report::plot::Anchor;
 use specforge::report::plot::drawing::{Item, text_width};
 use specforge::report::{Templates, render};
 
-const FIGURES: [&str; 12] = [
+const FIGURES: [&str; 13] = [
     "learning_curves",
     "learning_curves:fine_tune",
     "claims",
@@ -31,6 +33,7 @@ const FIGURES: [&str; 12] = [
     "failure_deciles",
     "ankle_torque:evaluate.flat,evaluate.box",
     "contact_forces",
+    "time_lapse",
 ];
 
 /// The figures.
@@ -131,6 +134,28 @@ fn the_curves_of_the_fine_tuning_are_those_of_its_own_stage() {
     without.arms.iter_mut().for_each(|arm| arm.fine_tuning.clear());
     without.figures = vec!["learning_curves:fine_tune".to_owned()];
     assert!(figure::all(&without).is_empty());
+}
+
+#[test]
+fn a_strip_is_drawn_for_each_point_of_the_first_axis_and_none_without_traces() {
+    let strips = |input: &ReportInput| figure::all(input).pop().map(|figure| figure.sources);
+    let mut input = suite();
+    input.figures = vec!["time_lapse".to_owned()];
+    let sources = strips(&input).expect("there are traces");
+    assert_eq!(sources.len(), 2, "{sources:?}");
+    let point = |place: usize| sources[place].arm.split(',').next().map(str::to_owned);
+    assert_ne!(point(0), point(1), "{sources:?}");
+    // The first run with a trace stands for its arm.
+    let lost = |input: &mut ReportInput, gone: &dyn Fn(&str) -> bool| {
+        for arm in input.arms.iter_mut().filter(|arm| gone(&arm.name)) {
+            arm.evaluations.iter_mut().for_each(|measured| measured.evaluation.trace = Trace::default());
+        }
+    };
+    lost(&mut input, &|name| name == sources[0].arm);
+    let others = strips(&input).expect("there are other traces");
+    assert_eq!((others.len(), others[0].arm == sources[0].arm), (2, false), "{others:?}");
+    lost(&mut input, &|_| true);
+    assert_eq!(strips(&input), None);
 }
 
 #[test]

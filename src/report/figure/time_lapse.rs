@@ -253,3 +253,41 @@ impl Strip<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn trace(count: usize, speed: f64) -> Trace {
+        let time: Vec<f64> = (0..count).map(|row| row as f64 * 0.01).collect();
+        let base_position = time.iter().map(|time| [speed * time, 0.0, 0.9]).collect();
+        Trace { time, base_position, ..Trace::default() }
+    }
+
+    #[test]
+    fn an_obstacle_is_shown_while_the_robot_passes_it() {
+        let obstacle = Terrain::BoxObstacle { centre: 2.0, half_length: 0.2, half_width: 1.0, height: 0.01 };
+        // At 1 m/s from 1.8 - 0.4 m to 2.2 + 0.4 m.
+        let rows = shown(&trace(500, 1.0), &obstacle, None);
+        assert!(rows.start.abs_diff(140) <= 1 && rows.end.abs_diff(261) <= 1, "{rows:?}");
+        assert_eq!(shown(&trace(180, 1.0), &obstacle, None).end, 180, "it ends on the obstacle");
+        let before = shown(&trace(500, 0.1), &obstacle, None);
+        assert_eq!(before, shown(&trace(500, 0.1), &Terrain::Flat, None), "it never reaches the obstacle");
+    }
+
+    #[test]
+    fn an_evaluation_has_its_own_ground_or_that_of_its_training() {
+        use crate::env::tests::Recipe;
+        use crate::spec::{Quantity, Table, Value};
+        let mut fields = Recipe::new("tocabi", Some("walk")).fields();
+        let number = |si: f64| Value::Quantity(Quantity { si, text: si.to_string() });
+        let kind = Value::Text("slope".to_owned());
+        let slope = [("kind", kind), ("friction", number(1.0)), ("angle", number(0.1))];
+        let slope: Table = slope.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
+        let table = |name: &str, value: Value| Value::Table(Table::from([(name.to_owned(), value)]));
+        fields.insert("evaluate".into(), table("up", table("terrain", Value::Table(slope))));
+        let arm = Arm { fields, ..Arm::default() };
+        assert_eq!(ground_of(&arm, "evaluate.up"), Terrain::Slope { angle: 0.1 });
+        assert_eq!(ground_of(&arm, "evaluate.nominal"), Terrain::Flat);
+    }
+}
