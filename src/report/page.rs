@@ -14,7 +14,7 @@ use super::question::question;
 use super::suite::{self, page::SuitePage};
 use super::table::{Table, endings, evaluation, health, learning, setup};
 use super::warning::warnings;
-use super::wording::{command, labels, short};
+use super::wording::{command, commit, labels};
 use super::{glance, provenance};
 
 /// The variables of a template.
@@ -182,7 +182,7 @@ impl Page {
         Self {
             name: input.name.clone(),
             summary: input.summary.clone(),
-            profile: input.profile.clone().unwrap_or_default(),
+            profile: profile(input),
             question: question(input),
             answer,
             reasons: input.reasons.clone(),
@@ -212,7 +212,7 @@ impl Page {
             run_command: command(input, "run"),
             report_command: command(input, "report"),
             tool_version: input.tool_version.clone(),
-            commit: short(&input.commit).to_string(),
+            commit: commit(&input.commit),
         }
     }
 
@@ -250,6 +250,17 @@ impl Page {
         tables.extend(self.suite.tables());
         tables.push(&self.claims);
         tables
+    }
+}
+
+/// The profile and what `--set` changed: `quick, with --set learn.seed=2`.
+fn profile(input: &ReportInput) -> String {
+    let profile = input.profile.as_deref().unwrap_or_default();
+    let sets: Vec<String> = input.assignments.iter().map(|set| format!("--set {set}")).collect();
+    match (profile, sets.is_empty()) {
+        (_, true) => profile.to_owned(),
+        ("", false) => format!("none, with {}", sets.join(" ")),
+        (_, false) => format!("{profile}, with {}", sets.join(" ")),
     }
 }
 

@@ -7,7 +7,7 @@ use crate::report::figure::Figure;
 use crate::report::model::{ReportInput, StageRecord};
 use crate::report::source::Source;
 use crate::report::table::{Cell, Table};
-use crate::report::wording::{labels, short};
+use crate::report::wording::{commit, labels, short};
 
 /// The stages of all arms: fingerprint, version, cost. A stage shared by arms is listed once.
 pub fn stages(input: &ReportInput) -> Table {
@@ -15,17 +15,17 @@ pub fn stages(input: &ReportInput) -> Table {
     let mut table = Table::new("stages", "Stages", heads);
     for (record, arms) in distinct(input) {
         let version = if record.tool_version.is_empty() { "\u{2013}" } else { &record.tool_version };
-        let commit = if record.commit.is_empty() {
+        let built = if record.commit.is_empty() {
             "\u{2013}".to_string()
         } else {
-            format!("`{}`", short(&record.commit))
+            format!("`{}`", commit(&record.commit))
         };
         let ended = if record.finished.is_empty() { "\u{2013}" } else { &record.finished };
         let fingerprint = format!("`{}`", short(&record.fingerprint));
         table.row(
             "",
             &record.stage,
-            [Cell::Text(arms), fingerprint.into(), version.into(), commit.into(), ended.into()],
+            [Cell::Text(arms), fingerprint.into(), version.into(), built.into(), ended.into()],
         );
     }
     table
