@@ -98,14 +98,14 @@ fn difference(arms: [&Arm; 2], names: [&str; 2]) -> Option<String> {
         (true, larger) => {
             let than = if larger { "larger" } else { "smaller" };
             format!(
-                "In {engine} the {label} of {a} is {than} than that of {b}: {one} against {two}, one \
-                 run (seed) each."
+                "In {engine} the {label} of {a} is {than} than that of {b}: {one} against {two}, \
+                 one seed each, so this may be chance."
             )
         }
         (false, _) => {
             format!(
-                "In {engine} no difference of {a} and {b} in the {label} is established: {one} and {two}, one \
-                 run (seed) each."
+                "In {engine} no difference of {a} and {b} in the {label} is established: {one} and {two}, \
+                 one seed each."
             )
         }
     })

@@ -326,7 +326,7 @@ mod tests {
             "(`randomize.link_mass`): absent; the baseline has per link, scale uniform [0.6, 1.4].",
             "(`task.motion`): run_gait; the baseline has run_clip.",
             "(`task.command.speed`): uniform [0.4, 1.2] m/s; the baseline has uniform [0, 1] m/s.",
-            "(`learn.samples`): 4.0 M; the baseline has 80.0 M.",
+            "(`learn.samples`): 3.0 M; the baseline has 80.0 M.",
             "(`learn.minibatch`): 1024; the baseline has 128.",
             "(`terminate.contact_schedule`): ",
             "; the baseline has none.",
@@ -353,7 +353,7 @@ mod tests {
         let told: Vec<&String> = said.iter().filter(|text| text.contains("(`")).collect();
         let [told] = told.as_slice() else { panic!("one sentence: {told:?}") };
         let values =
-            "(`learn.samples`): 4.0 M in 2 of 4 runs, 8.0 M in 1 of 4 runs; the baseline has 80.0 M.";
+            "(`learn.samples`): 3.0 M in 2 of 4 runs, 8.0 M in 1 of 4 runs; the baseline has 80.0 M.";
         assert!(told.ends_with(values), "{told}");
     }
 
