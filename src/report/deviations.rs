@@ -353,7 +353,7 @@ mod tests {
         let told: Vec<&String> = said.iter().filter(|text| text.contains("(`")).collect();
         let [told] = told.as_slice() else { panic!("one sentence: {told:?}") };
         let values =
-            "(`learn.samples`): 3.0 M in 2 of 4 runs, 8.0 M in 1 of 4 runs; the baseline has 80.0 M.";
+            "(`learn.samples`): 4.0 M in 2 of 4 runs, 8.0 M in 1 of 4 runs; the baseline has 80.0 M.";
         assert!(told.ends_with(values), "{told}");
     }
 

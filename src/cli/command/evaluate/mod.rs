@@ -17,6 +17,7 @@ use crate::cli::{Exit, Format, Global, interruption, output, progress};
 use crate::crash;
 use crate::deploy::{Policy, Transfer, Trust};
 use crate::diag::{Diagnostic, Sources};
+use crate::escape;
 use crate::evaluate::follower::{Follower, LONG_EPISODE, Lasting, Measured};
 use crate::exec::events::{Event, Events, JsonLines};
 use crate::exec::works::episodes::{read_policy, transferred};
@@ -107,7 +108,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     };
     let policy = match policy {
         Ok(policy) => policy,
-        Err(error) => return failed(&error, global),
+        Err(error) => return unusable(&path, &error, global),
     };
     let (policy, conditions) = match conditions::read(options, policy) {
         Ok(read) => read,
@@ -177,6 +178,13 @@ fn failed(error: &WorkError, global: &Global) -> Exit {
     }
     let (code, help) = error.advice();
     output::fault(global, code, &error.to_string(), help.as_deref());
+    Exit::StageFailed
+}
+
+/// Reports that the policy in a file cannot be used.
+fn unusable(path: &Path, error: &WorkError, global: &Global) -> Exit {
+    let (code, help) = error.advice();
+    output::fault(global, code, &format!("{}: {error}", escape::file(path)), help.as_deref());
     Exit::StageFailed
 }
 
