@@ -12,24 +12,24 @@ use crate::kinds::task::Task;
 /// Most claims whose text is quoted; the table below the answer has all.
 const TOLD: usize = 3;
 
-/// What the claims of a suite came to: how many are established, and the texts of those that were refuted,
-/// or else of those that are open, or else of those that pass.
+/// What the claims of a suite came to: how many are established, and the texts of the first that are
+/// established, refuted and open.
 pub fn of_claims(judged: &[Judged]) -> String {
     let texts = |rulings: &[Ruling]| -> Vec<String> {
         let those = judged.iter().filter(|claim| rulings.contains(&claim.verdict));
         those.map(|claim| claim.text.trim_end_matches('.').to_owned()).collect()
     };
     let kinds = [
+        ("Established", texts(&[Ruling::Pass])),
         ("Refuted", texts(&[Ruling::Fail])),
         ("Open", texts(&[Ruling::NotEstablished, Ruling::NotMeaningful])),
-        ("Established", texts(&[Ruling::Pass])),
     ];
-    let told = kinds.into_iter().find(|(_, texts)| !texts.is_empty()).map(|(word, texts)| {
+    let told = kinds.into_iter().filter(|(_, texts)| !texts.is_empty()).map(|(word, texts)| {
         let more = texts.len().saturating_sub(TOLD);
         let rest = if more > 0 { format!("; and {more} more") } else { String::new() };
         format!(" {word}: {}{rest}.", texts[..texts.len() - more].join("; "))
     });
-    count(judged) + &told.unwrap_or_default()
+    count(judged) + &told.collect::<String>()
 }
 
 /// Which arms do their task in which engines, and how the first differs from the others.
@@ -120,14 +120,15 @@ mod tests {
     use crate::spec::Value;
 
     #[test]
-    fn claims_that_were_refuted_are_told_before_those_that_are_open() {
+    fn claims_that_are_established_refuted_and_open_are_told_in_this_order() {
         let claim = |text: &str, verdict| Judged { text: text.into(), verdict, ..Judged::default() };
         let mut claims = vec![claim("It walks.", Ruling::Pass)];
         assert!(of_claims(&claims).ends_with(" Established: It walks."), "{}", of_claims(&claims));
         claims.push(claim("It runs", Ruling::NotEstablished));
         assert!(of_claims(&claims).ends_with(" Open: It runs."));
         claims.extend(["A", "B", "C", "D"].map(|text| claim(text, Ruling::Fail)));
-        assert!(of_claims(&claims).ends_with(" Refuted: A; B; C; and 1 more."));
+        let told = " Established: It walks. Refuted: A; B; C; and 1 more. Open: It runs.";
+        assert!(of_claims(&claims).ends_with(told), "{}", of_claims(&claims));
     }
 
     /// An arm that squats, and whose joints stay so far from its reference in each engine.
