@@ -1,5 +1,7 @@
 //! The page of pages says what the suites and the records of the reports say.
 
+mod folders;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,6 +9,8 @@ use std::path::{Path, PathBuf};
 use specforge::report::claim::{Judged, Ruling};
 use specforge::report::sidecar::{Facts, RULES, Sidecar};
 use specforge::report::{ReportFile, digests};
+
+use self::folders::copy;
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -37,17 +41,14 @@ fn pages() -> BTreeMap<String, PathBuf> {
     pages
 }
 
-/// Copies the records of the repository's reports with their pages and figures.
+/// Copies the records of the repository's reports with their pages, figures and policies.
 fn records(folder: &Path) {
     for (page, record) in pages() {
         let path = folder.join(format!("{page}.json"));
-        let figures = path.with_extension("");
-        fs::create_dir_all(&figures).expect("it can be made");
+        fs::create_dir_all(path.parent().expect("a folder")).expect("it can be made");
         fs::copy(&record, &path).expect("the folder can be written");
         fs::copy(record.with_extension("md"), path.with_extension("md")).expect("it can be written");
-        for figure in fs::read_dir(record.with_extension("")).into_iter().flatten().flatten() {
-            fs::copy(figure.path(), figures.join(figure.file_name())).expect("it can be written");
-        }
+        copy(&record.with_extension(""), &path.with_extension(""));
     }
 }
 
