@@ -89,6 +89,8 @@ fn what_is_no_policy_is_refused_with_its_code_and_cure() {
         let text = told(&output);
         assert_eq!(output.status.code(), Some(4), "{text}");
         assert!(text.contains(code) && text.contains(words) && text.contains("help: "), "{text}");
+        let name = file.path.file_name().expect("a file").to_string_lossy().into_owned();
+        assert!(text.contains(&name), "the file is named: {text}");
     }
 }
 
@@ -100,8 +102,9 @@ fn a_policy_of_another_robot_or_of_other_keys_is_refused() {
         evaluate(&file(&policy.to_bytes()).path, &[])
     };
     assert!(
-        told(&other_robot)
-            .contains("[R0002] the policy's contract does not fit: it was made for robot `tocabi`")
+        told(&other_robot).contains("[R0002]")
+            && told(&other_robot)
+                .contains(": the policy's contract does not fit: it was made for robot `tocabi`")
     );
     let other_keys = {
         let mut policy = policy();
