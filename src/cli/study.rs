@@ -34,9 +34,17 @@ pub fn store(study: &Study, global: &Global) -> Result<Store, Exit> {
     study.store(global.store.clone()).map_err(|error| faults::store(global, &error))
 }
 
+/// Reads the specs and settles the name of their report in its folder, which is given, too. Reports errors;
+/// `Err` is the exit code.
+pub fn named(source: &Source, reports: Option<&Path>, global: &Global) -> Result<(Settled, PathBuf), Exit> {
+    let study = read(source, global)?;
+    let folder = folder(reports, &study, global)?;
+    Ok((settled(study, &folder, global)?, folder))
+}
+
 /// The folder for the report: the one named by the user, or its own below the project's `reports`. If it is
 /// not a folder, reports that before any work starts; `Err` is the exit code.
-pub fn reports(chosen: Option<&Path>, study: &Study, global: &Global) -> Result<PathBuf, Exit> {
+fn folder(chosen: Option<&Path>, study: &Study, global: &Global) -> Result<PathBuf, Exit> {
     let folder = chosen.map_or_else(|| study.reports(), Path::to_owned);
     if folder.exists() && !folder.is_dir() {
         let message = format!("reports cannot be written into {}, which is a file", folder.display());

@@ -90,9 +90,9 @@ impl Moment {
 }
 
 impl Blueprint {
-    /// The undiscounted return of an episode in which the robot stands in its default pose for the whole time
-    /// limit while the phase goes by at its nominal speed: the mean over the commanded speeds of the
-    /// training. The nominal robot stands on flat ground, and no termination ends the episode.
+    /// Undiscounted return of a full-length episode in which the nominal robot holds its default pose on flat
+    /// ground, averaged over the commanded speeds of the training. The reference motion advances at its nominal
+    /// rate; terminations are ignored.
     pub fn standing_return(&self) -> f64 {
         let (motion, step) = (self.reference(), 1.0 / self.control_rate());
         let (rewards, _) = scene::rewards(self.section(Rewards::SECTION));

@@ -19,7 +19,7 @@ use crate::plan::why::State;
 use crate::plan::{Fingerprint, Plan, Stage, StageKind, budgets, render};
 use crate::spec::Section;
 
-/// The page with the rates of stages of which the store has none.
+/// Source of the rates that are used where the store has no measurement.
 const PAGE: &str = "docs/experiments/2026-11-26-batch-engine-speed.md";
 /// How many finished stages of a kind are read.
 const READ: usize = 256;
@@ -165,7 +165,7 @@ pub fn expected(store: &Store, plan: &Plan, statuses: &render::Statuses) -> Expe
         let lines = if count > 0 { &mut own } else { &mut usual };
         lines.insert(line(&work, rate, count));
     }
-    let source = format!("what is not measured in this store is from {PAGE}");
+    let source = format!("rates not measured in this store are from {PAGE}");
     let source = Some(source).filter(|_| !usual.is_empty());
     expected.rates = own.into_iter().chain(usual).chain(source).collect();
     expected

@@ -16,7 +16,7 @@ pub struct Expected {
 }
 
 impl Expected {
-    /// A stage's time, as in the table of `plan`; empty where there is none.
+    /// The expected time of a stage, as the table of `plan` shows it; empty if it is not known.
     pub fn time(&self, key: &Fingerprint) -> String {
         self.seconds.get(key).map(|seconds| span(*seconds)).unwrap_or_default()
     }

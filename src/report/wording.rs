@@ -180,13 +180,13 @@ pub fn short(digest: &str) -> &str {
     digest.get(..12).unwrap_or(digest)
 }
 
-/// The first twelve digits of a commit, and whether the working tree differed from it.
+/// The first twelve digits of a commit, with the suffix of a modified working tree.
 pub fn commit(commit: &str) -> String {
     let digits = commit.strip_suffix(MODIFIED);
     digits.map_or_else(|| short(commit).to_owned(), |digits| format!("{}{MODIFIED}", short(digits)))
 }
 
-/// What follows a commit whose working tree was modified.
+/// The suffix that the build appends to the commit of a modified working tree.
 const MODIFIED: &str = "-modified";
 
 #[cfg(test)]

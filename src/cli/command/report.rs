@@ -50,18 +50,11 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         };
     }
     let source = Source { files: options.files.clone(), variant: options.variant.clone() };
-    let study = match study::read(&source, global) {
-        Ok(study) => study,
-        Err(exit) => return exit,
-    };
-    let folder = match study::reports(options.reports.as_deref(), &study, global) {
-        Ok(folder) => folder,
-        Err(exit) => return exit,
-    };
-    let Settled { study, own, note } = match study::settled(study, &folder, global) {
-        Ok(settled) => settled,
-        Err(exit) => return exit,
-    };
+    let (Settled { study, own, note }, folder) =
+        match study::named(&source, options.reports.as_deref(), global) {
+            Ok(named) => named,
+            Err(exit) => return exit,
+        };
     let store = match study::store(&study, global) {
         Ok(store) => store,
         Err(exit) => return exit,

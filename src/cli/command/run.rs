@@ -62,18 +62,11 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(interrupt) => interrupt,
         Err(exit) => return exit,
     };
-    let study = match study::read(&options.source, global) {
-        Ok(study) => study,
-        Err(exit) => return exit,
-    };
-    let folder = match study::reports(options.reports.as_deref(), &study, global) {
-        Ok(folder) => folder,
-        Err(exit) => return exit,
-    };
-    let Settled { study, own, note } = match study::settled(study, &folder, global) {
-        Ok(settled) => settled,
-        Err(exit) => return exit,
-    };
+    let (Settled { study, own, note }, folder) =
+        match study::named(&options.source, options.reports.as_deref(), global) {
+            Ok(named) => named,
+            Err(exit) => return exit,
+        };
     let selection =
         Selection { only: options.only.clone(), from: options.from.clone(), until: options.until.clone() };
     let selected = match selection.apply(&study.plan) {
