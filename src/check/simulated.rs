@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use super::Subject;
 use crate::diag::{Diagnostic, Severity, Sink};
 use crate::kinds::evaluate::{Evaluation, ParameterSets, Spread};
-use crate::kinds::randomize::{Draft, KINDS, Rows};
+use crate::kinds::randomize::{Draft, KINDS, ONE_FOR_ALL, PER, Rows};
 use crate::robot::examine::{changed, issues};
 use crate::robot::{Issue, Robot};
 use crate::spec::section::Robot as Stated;
@@ -170,8 +170,8 @@ fn row(path: &str, kind: &str, table: &Table, key: &'static str, bounds: [f64; 2
     let known = KINDS.iter().find(|row| row.kind.name == kind)?;
     let mut table = table.clone();
     // The rows of parameter sets have only their factor: the whole robot shares it.
-    if known.kind.params.iter().any(|param| param.name == "per") && !table.contains_key("per") {
-        table.insert("per".to_owned(), Value::Text("robot".to_owned()));
+    if known.kind.params.iter().any(|param| param.name == PER) && !table.contains_key(PER) {
+        table.insert(PER.to_owned(), Value::Text(ONE_FOR_ALL.to_owned()));
     }
     Some(Row { path: path.to_owned(), kind: known.kind.name, table, key, bounds })
 }

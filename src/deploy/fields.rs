@@ -5,6 +5,7 @@
 //! another version of specforge with other keys.
 
 use crate::kinds::vocabulary::vocabulary;
+use crate::spec::value::KIND;
 use crate::spec::{Kind, Param, Presence, Section, Shape, Table, Ty, Value, bounds};
 
 /// The sections of an environment.
@@ -48,7 +49,7 @@ fn of_kind(
         return Some(format!("`{path}` has no kind"));
     };
     match kinds.iter().find(|kind| kind.name == word) {
-        Some(kind) => keys(table, &[kind.params, extra], path, &["kind"]),
+        Some(kind) => keys(table, &[kind.params, extra], path, &[KIND]),
         None => Some(format!("`{path}` has the unknown kind `{word}`")),
     }
 }

@@ -21,7 +21,7 @@ use crate::kinds::terrain::Ground;
 use crate::kinds::terrain::height_field::{self, SizeError};
 use crate::robot::Robot;
 use crate::sim::EngineError;
-use crate::spec::typed::{InSection, Part};
+use crate::spec::typed::{InSection, Part, section_mut};
 use crate::spec::{Quantity, Section, Table, Value};
 
 /// Standard deviation of the phase action: a tenth of its range, as in the authors' code.
@@ -103,8 +103,11 @@ impl Blueprint {
     /// The same environment at another physics rate in Hz, for transfer to a finer engine.
     pub fn with_physics(&self, rate: f64) -> Result<Self, BlueprintError> {
         let mut blueprint = self.clone();
-        if let Some(Value::Table(physics)) = blueprint.fields.get_mut("physics") {
-            physics.insert("rate".into(), Value::Quantity(Quantity { si: rate, text: format!("{rate} Hz") }));
+        if let Some(physics) = section_mut::<Physics>(&mut blueprint.fields) {
+            physics.insert(
+                Physics::rate.name.into(),
+                Value::Quantity(Quantity { si: rate, text: format!("{rate} Hz") }),
+            );
         }
         blueprint.check()?;
         Ok(blueprint)

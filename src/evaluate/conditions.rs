@@ -1,5 +1,6 @@
 //! Conditions of an evaluation's episodes for each kind of protocol: commanded speeds and parameter sets.
 
+use crate::spec::value::KIND;
 use std::collections::BTreeMap;
 
 use crate::env::Randomized;
@@ -73,12 +74,14 @@ pub fn scaled(parameters: &BTreeMap<String, f64>) -> Table {
     let number = |si: f64| Value::Quantity(Quantity { si, text: si.to_string() });
     let row = |(name, factor): (&String, &f64)| {
         let kind = randomize::KINDS.iter().find(|row| row.kind.name == name);
-        let shared = kind.is_some_and(|row| row.kind.params.iter().any(|param| param.name == "per"));
+        let shared = kind.is_some_and(|row| row.kind.params.iter().any(|param| param.name == randomize::PER));
         let mut row = Table::from([
-            ("kind".to_owned(), Value::Text(name.clone())),
+            (KIND.to_owned(), Value::Text(name.clone())),
             ("scale".to_owned(), number(*factor)),
         ]);
-        row.extend(shared.then(|| ("per".to_owned(), Value::Text("robot".to_owned()))));
+        row.extend(
+            shared.then(|| (randomize::PER.to_owned(), Value::Text(randomize::ONE_FOR_ALL.to_owned()))),
+        );
         (name.clone(), Value::Table(row))
     };
     parameters.iter().map(row).collect()

@@ -3,6 +3,8 @@
 //! bit-identical to an uninterrupted training, so the shorter one is not an input and is not part of the
 //! longer one's fingerprint.
 
+use crate::kinds::learn::{Learner, Ppo};
+use crate::spec::typed::InSection as _;
 use std::fs;
 use std::path::Path;
 
@@ -150,14 +152,14 @@ fn obstacle(store: &Store, kind: StageKind, link: &Link) -> Option<Cause> {
 }
 
 fn stop(recipe: &Recipe) -> Option<u64> {
-    recipe.fields.get("learn")?.get("stop_at")?.as_u64()
+    recipe.fields.get(Learner::SECTION)?.get(Ppo::stop_at.name)?.as_u64()
 }
 
 /// The recipe of the same training without an early stop.
 fn whole_schedule(recipe: &Recipe) -> Recipe {
     let mut recipe = recipe.clone();
-    if let Some(learn) = recipe.fields.get_mut("learn").and_then(Json::as_object_mut) {
-        learn.shift_remove("stop_at");
+    if let Some(learn) = recipe.fields.get_mut(Learner::SECTION).and_then(Json::as_object_mut) {
+        learn.shift_remove(Ppo::stop_at.name);
     }
     recipe
 }

@@ -8,7 +8,8 @@ use crate::kinds::motion;
 use crate::kinds::vocabulary::vocabulary;
 use crate::robot::file;
 use crate::spec::claim;
-use crate::spec::section::HEADER;
+use crate::spec::section::Header;
+use crate::spec::typed::Keys as _;
 use crate::spec::{Kind, Param, Shape, Ty, Vocabulary};
 
 /// Keys of every table that is of a kind.
@@ -95,7 +96,7 @@ impl Ranking<'_> {
         let vocabulary = &self.order.vocabulary;
         let [section, rest @ ..] = path else { return self.sections() };
         if self.sort == Sort::Suite && section == "claim" {
-            return inside(vec![claim::PARAMS], rest);
+            return inside(vec![claim::keys::Claim::PARAMS], rest);
         }
         match (vocabulary.section(section).map(|section| &section.shape), rest) {
             (Some(Shape::Plain(params)), _) => inside(vec![params], rest),
@@ -122,8 +123,7 @@ impl Ranking<'_> {
                 .chain(["sweep", "claim", "report", "allow", "profile"])
                 .collect();
         }
-        let header = HEADER.iter().copied().filter(|key| !matches!(*key, "profile" | "allow"));
-        header.chain(sections).chain(["allow", "profile"]).collect()
+        Header::top().chain(sections).chain([Header::allow.name, Header::profile.name]).collect()
     }
 
     /// The keys of a table at `rest` inside a table of one of these kinds, at `place`: those of its own kind

@@ -7,28 +7,13 @@ use super::vocabulary::vocabulary;
 use super::{motion, reference};
 use crate::quantity::Dimension;
 use crate::robot::file;
+use crate::spec::section::Header;
+use crate::spec::typed::Keys as _;
+use crate::spec::value;
 use crate::spec::{Kind, Param, Presence, Shape, Ty};
 
-/// The keys of a spec before its sections.
-pub const HEADER: &[Param] = &[
-    Param::required("spec", Ty::Count).doc("The edition of the language: 1."),
-    Param::optional("name", Ty::Text).doc("The spec's name; by default that of its file."),
-    Param::optional("summary", Ty::Text).doc("A one-sentence summary."),
-    Param::optional("extends", Ty::OneOf(&[Ty::Text, Ty::List(&Ty::Text)]))
-        .doc("One parent or several, relative to this file; later ones win."),
-    Param::default("abstract", Ty::Flag, "false")
-        .doc("Whether it is a parent that cannot be run itself; not inherited."),
-    Param::optional("requires", Ty::List(&Ty::Text))
-        .doc("Keys that every spec that extends this file must set: `[\"action.std\"]`."),
-    Param::optional("profile", Ty::Named(&Ty::Table(&[]))).doc(
-        "Overlays by name, `[profile.NAME]`; each holds sections and is chosen by `--profile NAME`. With \
-              `extends = \"OTHER\"` it applies on top of another profile.",
-    ),
-    Param::optional("allow", Ty::Named(&Ty::Text)).doc("Accepted warnings, each with its reason."),
-];
-
 /// The keys `kind` and `enabled`, of every table that has them.
-const KIND: Param = Param::optional("kind", Ty::Text).doc("The table's kind, from the registry.");
+const KIND: Param = Param::optional(value::KIND, Ty::Text).doc("The table's kind, from the registry.");
 const ENABLED: Param = Param::default("enabled", Ty::Flag, "true")
     .doc("`false` switches the table off, for example one that a parent sets.");
 
@@ -119,7 +104,7 @@ fn measures(ty: &Ty, dimension: Dimension) -> bool {
 /// All keys: those of specs in the order of a spec, then those of motion files and of robot files.
 pub fn keys() -> Vec<Key> {
     let mut keys = Vec::new();
-    collect(HEADER, "", &[], &mut keys);
+    collect(Header::PARAMS, "", &[], &mut keys);
     for section in vocabulary().sections {
         match &section.shape {
             Shape::Plain(params) => collect(params, section.name, &[], &mut keys),
@@ -176,7 +161,6 @@ fn below(path: &str, key: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::section;
 
     fn found(word: &str) -> Vec<String> {
         keys().into_iter().filter(|key| key.is_called(word)).map(|key| key.path).collect()
@@ -199,12 +183,6 @@ mod tests {
         };
         assert_eq!(of("action.rate"), [["position", "torque"]]);
         assert_eq!(of("action.std"), [["position"], ["torque"]], "they are shares of different things");
-    }
-
-    #[test]
-    fn every_key_before_the_sections_is_documented() {
-        let names: Vec<&str> = HEADER.iter().map(|param| param.name).collect();
-        assert_eq!(names, section::HEADER);
     }
 
     #[test]

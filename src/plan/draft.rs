@@ -16,6 +16,9 @@ use crate::kinds::pretrain::Pretraining;
 use crate::spec::typed::InSection;
 use crate::spec::{Section, Table, Value};
 
+/// The field of a motion's stage with the values of its file.
+pub const MOTION: &str = "motion";
+
 /// Name of the environment stage of a fine-tuning.
 pub const TUNED_ENV: &str = "fine_tune.env";
 
@@ -237,7 +240,7 @@ fn moved(origins: &BTreeMap<String, String>, from: &str, to: &str) -> BTreeMap<S
 /// The motion stage: the spec names the motion, and its file defines it.
 fn motion_draft(arm: &Arm, origins: &BTreeMap<String, String>, motion: &Table) -> Draft {
     let mut draft = plain(arm, origins, StageKind::Motion, json!(null).into());
-    draft.fields.insert("motion".into(), Value::Table(motion.clone()));
+    draft.fields.insert(MOTION.into(), Value::Table(motion.clone()));
     let own = origins.iter().filter(|(path, _)| path.starts_with("motion."));
     draft.origins.extend(own.map(|(path, origin)| (path.clone(), origin.clone())));
     draft

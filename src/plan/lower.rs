@@ -1,5 +1,7 @@
 //! Lowering: from arms to the graph. Stages with the same fingerprint become one node that the arms share.
 
+use crate::spec::section::{Header, Report};
+use crate::spec::typed::section_mut;
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::json;
@@ -15,6 +17,11 @@ use super::stage::{self, StageKind};
 use super::suite::{self, SuiteRecord};
 use super::{neutral, revision};
 use crate::spec::{Table, Value};
+
+/// The field of the report's stage with the arms, in the order of its columns.
+pub const ARMS: &str = "arms";
+/// The field of the report's stage with the values of the baselines.
+pub const BASELINES: &str = "baselines";
 
 /// Inputs of a report other than the arms.
 #[derive(Clone, Debug)]
@@ -228,23 +235,23 @@ fn report_stage(source: &ReportSource, first: &Arm, records: &[ArmRecord]) -> St
         content["suite"] = serde_json::to_value(&suite.record).expect("a suite's record is plain data");
     }
     let mut draft = plain(first, &first.origins, StageKind::Report, content.into());
-    draft.fields.insert("name".into(), Value::Text(source.name.clone()));
+    draft.fields.insert(Header::name.name.into(), Value::Text(source.name.clone()));
     if let Some(suite) = &source.suite {
         draft.fields = suite.fields.clone().into();
         draft.origins = BTreeMap::new().into();
     }
     // The other arms are inputs. Of baselines only the values count, not the paths at which they were found.
-    if let Some(Value::Table(report)) = draft.fields.get_mut("report") {
-        report.remove("compare");
-        report.remove("baseline");
+    if let Some(report) = section_mut::<Report>(&mut draft.fields) {
+        report.remove(Report::compare.name);
+        report.remove(Report::baseline.name);
     }
     if !source.baselines.is_empty() {
         let baselines = source.baselines.iter().cloned().map(Value::Table).collect();
-        draft.fields.insert("baselines".into(), Value::List(baselines));
+        draft.fields.insert(BASELINES.into(), Value::List(baselines));
     }
     // The order of the arms determines the order of the report's columns.
     draft.fields.insert(
-        "arms".into(),
+        ARMS.into(),
         Value::List(records.iter().map(|record| Value::Table(column(record))).collect()),
     );
     let inputs = records.iter().flat_map(|record| {
@@ -255,16 +262,17 @@ fn report_stage(source: &ReportSource, first: &Arm, records: &[ArmRecord]) -> St
 
 /// The properties of an arm that a report shows.
 fn column(record: &ArmRecord) -> Table {
-    let mut column = Table::from([("name".to_owned(), Value::Text(record.name.clone()))]);
+    let mut column = Table::from([(Header::name.name.to_owned(), Value::Text(record.name.clone()))]);
     match &record.run {
         Some(run) => drop(column.insert("run".into(), Value::Text(run.id.clone()))),
         None => {
-            column.extend(record.fields.get("summary").map(|summary| ("summary".into(), summary.clone())))
+            let summary = Header::summary.name;
+            column.extend(record.fields.get(summary).map(|text| (summary.into(), text.clone())))
         }
     }
     if !record.allow.is_empty() {
         let codes = record.allow.keys().map(|code| Value::Text(code.clone()));
-        column.insert("allow".into(), Value::List(codes.collect()));
+        column.insert(Header::allow.name.into(), Value::List(codes.collect()));
     }
     column
 }

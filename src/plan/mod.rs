@@ -32,7 +32,7 @@ pub use error::PlanError;
 pub use fingerprint::{Fingerprint, Recipe};
 pub use graph::{ArmRecord, Edge, Plan, Stage, User};
 pub use idle_axes::idle_axes;
-pub use lower::{ReportSource, ReportedSuite, lower};
+pub use lower::{BASELINES, ReportSource, ReportedSuite, lower};
 pub use saved::{SavedError, is_saved};
 pub use selection::Selection;
 pub use shared::Shared;

@@ -4,21 +4,27 @@
 use serde_json::Value as Json;
 
 use super::defaults;
+use crate::kinds::action::position::{Feedback, Position, Span, Targets};
+use crate::kinds::action::{Action, PhaseAction};
+use crate::kinds::fine_tune::FineTuning;
+use crate::kinds::learn::Learner;
+use crate::kinds::learn::ppo::{Backend, Device, Ppo, TimeLimit};
+use crate::spec::Table;
+use crate::spec::typed::{InSection, section_mut};
 use crate::spec::value::canonical_table;
-use crate::spec::{Table, Value};
 
 /// Keys that affect no result: section, key.
-const IDLE: &[(&str, &str)] = &[("learn", "checkpoint_every")];
+const IDLE: &[(&str, &str)] = &[(Ppo::SECTION, Ppo::checkpoint_every.name)];
 
 /// Values that are equivalent to a missing key: section, key, value.
 const IMPLIED: &[(&str, &str, &str)] = &[
-    ("action", "feedback", "true"),
-    ("action", "phase_action", "time"),
-    ("action", "shares_of", "joint_ranges"),
-    ("action", "targets", "joint_limits"),
-    ("learn", "backend", "native"),
-    ("learn", "device", "cpu"),
-    ("learn", "time_limit", "bootstrap"),
+    (Action::SECTION, Position::feedback.name, Feedback::True.word()),
+    (Action::SECTION, Position::phase_action.name, PhaseAction::Time.word()),
+    (Action::SECTION, Position::shares_of.name, Span::JointRanges.word()),
+    (Action::SECTION, Position::targets.name, Targets::JointLimits.word()),
+    (Learner::SECTION, Ppo::backend.name, Backend::Native.word()),
+    (Learner::SECTION, Ppo::device.name, Device::Cpu.word()),
+    (Learner::SECTION, Ppo::time_limit.name, TimeLimit::Bootstrap.word()),
 ];
 
 /// The fields of a stage's recipe: canonical, without what affects no result.
@@ -44,27 +50,28 @@ pub fn stripped(fields: &Json) -> Json {
 
 /// Removes from the fields of a spec what another key overrides. Recipes keep it, so this compares specs only.
 pub fn remove_overridden(fields: &mut Table) {
-    let Some(Value::Table(learn)) = fields.get_mut("learn") else { return };
-    if learn.contains_key("discount_time") {
-        learn.remove("gamma");
+    let Some(learn) = section_mut::<Learner>(fields) else { return };
+    if learn.contains_key(Ppo::discount_time.name) {
+        learn.remove(Ppo::gamma.name);
     }
 }
 
 /// Removes an early stop without effect: one at or after the end, and that of the first training from a
 /// fine-tuning.
 fn strip_idle_stop(fields: &mut Json) {
-    let is_fine_tuning = fields.get("fine_tune").is_some();
-    let Some(learn) = fields.get_mut("learn").and_then(Json::as_object_mut) else { return };
+    let is_fine_tuning = fields.get(FineTuning::SECTION).is_some();
+    let Some(learn) = fields.get_mut(Learner::SECTION).and_then(Json::as_object_mut) else { return };
     let count = |key: &str| learn.get(key).and_then(Json::as_f64);
-    let (Some(stop), Some(samples)) = (count("stop_at"), count("samples")) else { return };
+    let (Some(stop), Some(samples)) = (count(Ppo::stop_at.name), count(Ppo::samples.name)) else { return };
     if is_fine_tuning || stop >= samples {
-        learn.shift_remove("stop_at");
+        learn.shift_remove(Ppo::stop_at.name);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spec::Value;
 
     fn learn<const N: usize>(entries: [(&str, Value); N]) -> Json {
         let learn = entries.map(|(key, value)| (key.to_owned(), value));

@@ -2,26 +2,27 @@
 //! arms of a suite may differ in values that the stage of a claim never reads; both then have the same
 //! result.
 
+use crate::spec::section::{Header, Report};
+use crate::spec::typed::InSection as _;
 use std::collections::BTreeMap;
 
 use super::draft::Training;
 use super::fingerprint::Fingerprint;
 use super::graph::{ArmRecord, Plan};
 use super::stage::StageKind;
-use crate::diag::{Diagnostic, Span};
+use crate::diag::Diagnostic;
 use crate::kinds::action::Action;
 use crate::kinds::task::Task;
 use crate::spec::claim::cases::twin;
-use crate::spec::claim::{Case, Claim, Over, Points, cases};
+use crate::spec::claim::{Case, Claim, Over, Points, cases, keys};
 use crate::spec::suggest::listed;
 use crate::spec::{Section, Table, Value};
-use crate::syntax::Layer;
 
 /// Largest number of differing keys that a message names.
 const NAMED: usize = 4;
 
 /// Keys of a spec that affect only its name and report.
-const UNREAD: [&str; 3] = ["name", "summary", "report"];
+const UNREAD: [&str; 3] = [Header::name.name, Header::summary.name, Report::SECTION];
 
 /// The claims of a suite that compare a result with itself, one error each.
 pub fn claims(plan: &Plan, claims: &[Claim]) -> Vec<Diagnostic> {
@@ -121,7 +122,7 @@ impl<'a> Comparing<'a> {
         }
         let value = if baseline.relative { "1" } else { "0" };
         let (stage, base, own) = (&self.claim.metric.stage, &baseline.stage, name(points[arm]));
-        let key = if self.claim.fields.contains_key("baseline") { "baseline" } else { "twin" };
+        let key = self.claim.key_of_baseline();
         let (message, help) = match baseline.twin.as_ref().and_then(|pattern| twin(pattern, points, arm)) {
             Some(other) => (
                 format!(
@@ -151,7 +152,11 @@ impl<'a> Comparing<'a> {
         let [own, twin] = [case.a, other].map(|arm| name(points[arm]));
         let stage = &self.claim.metric.stage;
         let message = format!("the arms `{own}` and `{twin}` have the same `{stage}`: their difference is 0");
-        let error = self.at("compare", Diagnostic::error("E0806", message), "one result on both sides");
+        let error = self.at(
+            keys::Claim::compare.name,
+            Diagnostic::error("E0806", message),
+            "one result on both sides",
+        );
         Some(error.help(self.advice(case.a, other)))
     }
 
@@ -188,7 +193,7 @@ impl<'a> Comparing<'a> {
             Over::AtLeast(_) | Over::AtMost(_) => "one comparison, counted twice",
             _ => "one result, taken for two",
         };
-        let error = self.at("over", Diagnostic::error("E0806", message), remark);
+        let error = self.at(keys::Claim::over.name, Diagnostic::error("E0806", message), remark);
         Some(error.help(self.advice(one, other)).help("or name one of these arms in the claim"))
     }
 
@@ -248,16 +253,10 @@ impl<'a> Comparing<'a> {
     }
 
     fn at(&self, key: &str, error: Diagnostic, remark: &str) -> Diagnostic {
-        match self.place(key) {
+        match self.claim.place(key) {
             Some(span) => error.at(span, remark),
             None => error,
         }
-    }
-
-    fn place(&self, key: &str) -> Option<Span> {
-        let marks = &self.claim.marks;
-        let written = marks.nearest(key).filter(|mark| mark.layer != Layer::Default);
-        written.or_else(|| marks.get("id")).map(|mark| mark.value)
     }
 }
 

@@ -5,6 +5,12 @@
 //! not get different results. So the arms are lowered again from what only they contain, and the whole result
 //! is compared with the file.
 
+use super::draft::MOTION;
+use super::lower::{ARMS, BASELINES};
+use crate::kinds::learn::Ppo;
+use crate::spec::claim::keys::Claim as ClaimKeys;
+use crate::spec::section::Header;
+use crate::spec::typed::InSection as _;
 use std::collections::BTreeMap;
 
 use serde::de::Error;
@@ -177,7 +183,7 @@ fn names(file: &PlanFile) -> Result<(), PlanError> {
         return Err(contradiction("the report".into(), format!("`{}` cannot be a file's name", user.arm)));
     }
     // The arms of a suite are named by their points.
-    let called = |arm: &&ArmRecord| match arm.fields.get("name") {
+    let called = |arm: &&ArmRecord| match arm.fields.get(Header::name.name) {
         Some(Value::Text(name)) if arm.run.is_none() => *name != arm.name,
         _ => false,
     };
@@ -256,7 +262,7 @@ fn stage<'a>(file: &'a PlanFile, arm: &ArmRecord, name: &str) -> Option<&'a Stag
 
 /// The motion file in a motion stage.
 fn motion(stage: &Stage) -> Option<&Table> {
-    match stage.fields.get("motion") {
+    match stage.fields.get(MOTION) {
         Some(Value::Table(motion)) => Some(motion),
         _ => None,
     }
@@ -279,7 +285,7 @@ fn arms(file: &PlanFile) -> Result<Vec<Arm>, PlanError> {
         let runs = first.run.as_ref().map(|run| Runs {
             points: run.points.clone(),
             seeds: group.iter().filter_map(|arm| arm.run.as_ref()).map(|run| run.seed).collect(),
-            origin: first.origins.get("learn.seed").cloned(),
+            origin: first.origins.get(&Ppo::seed.path()).cloned(),
         });
         Ok(Arm {
             name: first.run.as_ref().map_or(&first.name, |run| &run.arm).clone(),
@@ -304,18 +310,18 @@ fn report(file: &PlanFile) -> Result<Option<ReportSource>, PlanError> {
     let unknown = || contradiction("the report".into(), "its templates are missing".into());
     let suite = file.suite.as_ref().map(|record| {
         let mut fields = (*stage.fields).clone();
-        fields.remove("arms");
-        fields.remove("baselines");
-        fields.insert("name".into(), Value::Text(record.name.clone()));
+        fields.remove(ARMS);
+        fields.remove(BASELINES);
+        fields.insert(Header::name.name.into(), Value::Text(record.name.clone()));
         if record.claims.is_empty() {
-            fields.remove("claim");
+            fields.remove(ClaimKeys::SECTION);
         } else {
             let claims = record.claims.iter().map(|claim| Value::Table(claim.fields.clone())).collect();
-            fields.insert("claim".into(), Value::List(claims));
+            fields.insert(ClaimKeys::SECTION.into(), Value::List(claims));
         }
         ReportedSuite { record: record.clone(), fields }
     });
-    let baselines = match stage.fields.get("baselines") {
+    let baselines = match stage.fields.get(BASELINES) {
         Some(Value::List(baselines)) => baselines.iter().filter_map(Value::as_table).cloned().collect(),
         _ => Vec::new(),
     };

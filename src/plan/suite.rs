@@ -4,9 +4,12 @@ use serde::{Deserialize, Serialize};
 
 use super::arm::{Arm, Runs};
 use super::fingerprint::canonical_json;
+use crate::kinds::learn::{Learner, Ppo};
 use crate::spec::claim::Claim;
+use crate::spec::section::{Header, Report};
+use crate::spec::typed::{InSection, section_mut};
 use crate::spec::value::canonical_table;
-use crate::spec::{Table, Value};
+use crate::spec::{Section, Table, Value};
 
 /// A suite in its plan and its report.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -64,9 +67,10 @@ pub fn records(arm: &Arm, runs: &Runs) -> Vec<RunRecord> {
 /// it names. Names and report settings are left out.
 fn content(arm: &Arm) -> String {
     let mut fields: Table = arm.fields.clone();
-    ["name", "summary", "report"].iter().for_each(|key| drop(fields.remove(*key)));
-    if let Some(Value::Table(learn)) = fields.get_mut("learn") {
-        learn.remove("seed");
+    let unread = [Header::name.name, Header::summary.name, Report::SECTION];
+    unread.iter().for_each(|key| drop(fields.remove(*key)));
+    if let Some(learn) = section_mut::<Learner>(&mut fields) {
+        learn.remove(Ppo::seed.name);
     }
     let motion = arm.motion.as_ref().map(|motion| canonical_table(motion));
     let mut hasher = blake3::Hasher::new();
@@ -80,13 +84,13 @@ fn content(arm: &Arm) -> String {
 /// The values of an arm with a learning seed.
 pub fn seeded(fields: &Table, seed: u64) -> Table {
     let mut fields = fields.clone();
-    if let Some(Value::Table(learn)) = fields.get_mut("learn") {
-        learn.insert("seed".to_owned(), Value::Count(seed));
+    if let Some(learn) = section_mut::<Learner>(&mut fields) {
+        learn.insert(Ppo::seed.name.to_owned(), Value::Count(seed));
     }
     fields
 }
 
 /// Whether a stage reads the learning seed.
 pub fn reads_the_seed(fields: &Table) -> bool {
-    matches!(fields.get("learn"), Some(Value::Table(learn)) if learn.contains_key("seed"))
+    Section::new(fields).within::<Learner>().is_some_and(|learn| learn.holds(Ppo::seed))
 }

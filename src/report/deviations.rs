@@ -5,15 +5,26 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::model::ReportInput;
 use super::wording;
+use crate::kinds::deploy::Deployment;
+use crate::kinds::evaluate::Evaluation;
 use crate::kinds::keys::{self, Key};
 use crate::kinds::reference;
 use crate::kinds::vocabulary::vocabulary;
-use crate::spec::section::Report;
+use crate::spec::section::{Header, Report};
+use crate::spec::typed::InSection as _;
 use crate::spec::{Section, Shape, Table, Ty, Value, Vocabulary};
 
 /// Keys that do not define an experiment: names, pages, and evaluation and deployment, which have sections of
 /// their own on a page.
-const NOT_COMPARED: [&str; 7] = ["name", "summary", "spec", "report", "allow", "evaluate", "deploy"];
+const NOT_COMPARED: [&str; 7] = [
+    Header::name.name,
+    Header::summary.name,
+    Header::spec.name,
+    Report::SECTION,
+    Header::allow.name,
+    Evaluation::SECTION,
+    Deployment::SECTION,
+];
 
 /// Not compared either: an experiment has several seeds.
 const SEED: &str = "learn.seed";
@@ -40,7 +51,7 @@ pub fn baselines(input: &ReportInput) -> Vec<String> {
 
 /// The name of a spec.
 fn name(spec: &Table) -> &str {
-    spec.get("name").and_then(Value::as_text).map_or("", String::as_str)
+    spec.get(Header::name.name).and_then(Value::as_text).map_or("", String::as_str)
 }
 
 fn used(input: &ReportInput) -> impl Iterator<Item = &Table> {

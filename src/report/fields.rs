@@ -1,5 +1,7 @@
 //! The values of a decoded spec by path, and where they differ between arms.
 
+use crate::spec::section::{Header, Report};
+use crate::spec::typed::InSection as _;
 use std::borrow::Borrow;
 
 use super::model::Arm;
@@ -60,8 +62,10 @@ pub fn differing<A: Borrow<Arm>>(arms: &[A]) -> Vec<String> {
         let first = flats.first().map(|flat| value(flat, path));
         flats.iter().any(|flat| Some(value(flat, path)) != first)
     };
-    let told =
-        |path: &&String| !["name", "summary", "spec"].contains(&path.as_str()) && !path.starts_with("report");
+    let told = |path: &&String| {
+        ![Header::name.name, Header::summary.name, Header::spec.name].contains(&path.as_str())
+            && !path.starts_with(Report::SECTION)
+    };
     paths.into_iter().filter(told).filter(differs).cloned().collect()
 }
 

@@ -16,7 +16,7 @@ use crate::kinds::evaluate::last_push;
 use crate::kinds::fine_tune::FineTuning;
 use crate::learn::finding::Finding;
 use crate::plan::graph::{ArmRecord, Plan};
-use crate::plan::{StageKind, TUNED_ENV, Training, replaced};
+use crate::plan::{BASELINES, StageKind, TUNED_ENV, Training, replaced};
 use crate::spec::section::Report;
 use crate::spec::typed::Key;
 use crate::spec::{Section, Table, Value};
@@ -81,7 +81,7 @@ fn each(arms: &[Arm]) -> String {
 
 /// The specs that the arms are compared with.
 fn baselines(fields: &Table) -> Vec<Table> {
-    match fields.get("baselines") {
+    match fields.get(BASELINES) {
         Some(Value::List(baselines)) => baselines.iter().filter_map(Value::as_table).cloned().collect(),
         _ => Vec::new(),
     }

@@ -3,7 +3,7 @@
 
 use toml_edit::{DocumentMut, Item, Table, TableLike};
 
-use crate::spec::section::HEADER;
+use crate::spec::section::Header;
 
 /// The merged sections and profiles of parents and of the spec's own lines; later ones win. Keys that name
 /// files are left out, and disabled terms are removed.
@@ -11,7 +11,7 @@ pub fn merged(parents: &[&str], own: &str) -> String {
     let mut whole = DocumentMut::new();
     for text in parents.iter().copied().chain([own]) {
         let mut part: DocumentMut = text.parse().expect("the shipped parents are TOML");
-        for key in HEADER.iter().filter(|key| !matches!(**key, "profile" | "allow")) {
+        for key in Header::top() {
             part.remove(key);
         }
         overlay(whole.as_table_mut(), part.as_table(), 0);

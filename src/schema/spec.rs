@@ -5,9 +5,10 @@ use serde_json::{Map, Value, json};
 use super::table::{self, Keys, Place};
 use super::{Definitions, described, finished};
 use crate::diag::codes::PAGES;
-use crate::kinds::keys::HEADER;
 use crate::kinds::reference::registries;
 use crate::kinds::vocabulary::vocabulary;
+use crate::spec::section::Header;
+use crate::spec::typed::Keys as _;
 use crate::spec::{SectionShape, Shape, Vocabulary};
 
 /// Keys that name a file of the project, with the key whose shipped names complete them.
@@ -58,11 +59,12 @@ pub fn overlay_keys(mut sections: Map<String, Value>) -> Map<String, Value> {
 
 /// The keys before the sections.
 pub fn header(definitions: &mut Definitions) -> Map<String, Value> {
-    let params = HEADER.iter().filter(|param| !matches!(param.name, "profile" | "allow"));
+    let params = Header::PARAMS.iter().filter(|param| !Header::AROUND_SECTIONS.contains(&param.name));
     let mut keys: Map<String, Value> =
         params.map(|param| (param.name.to_owned(), table::key(param, definitions))).collect();
-    let edition = described(json!({ "const": 1 }), keys["spec"]["description"].as_str().unwrap_or_default());
-    keys.insert("spec".to_owned(), edition);
+    let edition =
+        described(json!({ "const": 1 }), keys[Header::spec.name]["description"].as_str().unwrap_or_default());
+    keys.insert(Header::spec.name.to_owned(), edition);
     keys
 }
 

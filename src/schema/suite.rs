@@ -5,6 +5,8 @@ use serde_json::{Map, Value, json};
 use super::table::{self, Keys};
 use super::{Definitions, described, finished, spec};
 use crate::kinds::vocabulary::vocabulary;
+use crate::spec::section::Header;
+use crate::spec::typed::Keys as _;
 use crate::spec::{Param, Ty, claim};
 
 /// Keys of a suite that specs do not have.
@@ -14,22 +16,19 @@ const OWN: &[Param] = &[
         .doc("Effect of a failed claim: `report` only reports it, `count` ends the run with exit code 5."),
 ];
 
-/// Keys of a spec that suites do not have.
-const FOREIGN: [&str; 3] = ["name", "abstract", "requires"];
-
 /// The schema.
 pub fn document() -> Value {
     let mut definitions = Definitions::new(Keys::Some);
     let sections = spec::sections(&vocabulary(), &mut definitions);
     let mut properties = spec::header(&mut definitions);
-    properties.retain(|key, _| !FOREIGN.contains(&key.as_str()));
+    properties.retain(|key, _| !Header::OF_SPECS.contains(&key.as_str()));
     for param in OWN {
         properties.insert(param.name.to_owned(), table::key(param, &mut definitions));
     }
-    let extends = properties["extends"].clone();
+    let extends = properties[Header::extends.name].clone();
     properties.extend(sections.clone());
     properties.insert("sweep".to_owned(), sweep(point(&sections, extends)));
-    let claims = table::plain(claim::PARAMS, Keys::All, &mut definitions);
+    let claims = table::plain(claim::keys::Claim::PARAMS, Keys::All, &mut definitions);
     let claims = json!({ "type": "array", "items": claims });
     properties.insert("claim".to_owned(), described(claims, "What the suite is expected to show."));
     properties.insert("allow".to_owned(), spec::allow());

@@ -2,7 +2,7 @@
 
 use super::decode::{Decoder, Registry};
 use super::family::Header;
-use super::section::{HEADER, SectionShape};
+use super::section::{self, SectionShape};
 use super::suggest::{listed, nearest};
 use super::synonyms;
 use super::{Shape, Table, Value, Vocabulary};
@@ -55,11 +55,11 @@ fn decode_section(section: &SectionShape, entry: &Entry, decoder: &mut Decoder<'
 }
 
 fn unknown_section(key: &str, entry: &Entry, vocabulary: &Vocabulary) -> Diagnostic {
-    if HEADER.contains(&key) {
+    if section::Header::names().any(|name| name == key) {
         let error = Diagnostic::error("E0102", format!("`{key}` belongs to a file, not to a profile"));
         return error.at(entry.key, "").help("write it at the top of the file");
     }
-    let names = || vocabulary.sections.iter().map(|section| section.name).chain(HEADER.iter().copied());
+    let names = || vocabulary.sections.iter().map(|section| section.name).chain(section::Header::names());
     let set = matches!(entry.node.layer, Layer::Point | Layer::Set);
     let what = if entry.node.table().is_some() { "section" } else { "key" };
     let error = match set {

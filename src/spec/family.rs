@@ -10,6 +10,7 @@ use crate::syntax::{Files, Forms, Item, Map, Node, file, files, merge, parse};
 use super::Edition;
 use super::reach::{Place, Reach};
 use super::requires::{self, Required};
+use super::section;
 use super::section::Report;
 use super::suggest::safe_name;
 use super::typed::InSection;
@@ -267,7 +268,7 @@ impl Gathering<'_, '_> {
     /// Removes the header's keys from a file. `None` if its edition is unknown.
     fn header(&mut self, body: &mut Map, source: SourceId) -> Option<Header> {
         let top = Span { source, start: 0, end: 0 };
-        let Some(edition) = body.entries.remove("spec") else {
+        let Some(edition) = body.entries.remove(section::Header::spec.name) else {
             self.desk.sink.emit(without_edition(body, top));
             return None;
         };
@@ -281,14 +282,18 @@ impl Gathering<'_, '_> {
             return None;
         }
         let suite = body.entries.get("suite").map(|entry| entry.key);
-        let key = if suite.is_some() { "suite" } else { "name" };
+        let key = if suite.is_some() { "suite" } else { section::Header::name.name };
         let name = self.take_text(body, key).filter(|(name, place)| self.check_name(name, *place));
-        let summary = self.take_text(body, "summary").map(|(summary, _)| summary).unwrap_or_default();
-        let is_abstract = suite.is_none() && self.take_flag(body, "abstract");
+        let summary = self
+            .take_text(body, section::Header::summary.name)
+            .map(|(summary, _)| summary)
+            .unwrap_or_default();
+        let is_abstract = suite.is_none() && self.take_flag(body, section::Header::r#abstract.name);
         let (extends, lost_parent) =
-            self.take_extends(body.entries.remove("extends").map(|entry| entry.node));
+            self.take_extends(body.entries.remove(section::Header::extends.name).map(|entry| entry.node));
         let requires = match suite {
-            None => self.take_requires(body.entries.remove("requires").map(|entry| entry.node)),
+            None => self
+                .take_requires(body.entries.remove(section::Header::requires.name).map(|entry| entry.node)),
             Some(_) => Vec::new(),
         };
         let name = name.map(|(name, _)| name);

@@ -14,7 +14,7 @@ use super::profiles::Profiles;
 use super::project::{Project, Shelf};
 use super::reach::Reach;
 use super::requires;
-use super::section::Report;
+use super::section::{self, Report, Specs};
 use super::suggest::{listed, nearest};
 use super::{
     Attachment, Experiment, LoadOptions, Loaded, Marks, NamedSpec, Section, Table, Value, Vocabulary,
@@ -296,7 +296,7 @@ impl<'a> Loading<'a> {
             table,
             marks,
         };
-        experiment.table.remove("allow");
+        experiment.table.remove(section::Header::allow.name);
         experiment.compare = compared(&experiment, &self.sources);
         experiment.baselines = baselines(&experiment, &self.sources);
         experiment.robot = self.attach(&experiment, "robot", "model", &robots(self.vocabulary));
@@ -312,9 +312,9 @@ impl<'a> Loading<'a> {
         key: &str,
         shelf: &Shelf<'_>,
     ) -> Option<Attachment> {
-        let name = experiment.section(section)?.text_if(key)?;
+        let name = experiment.section(section)?.get(key)?.as_text()?;
         let place = experiment.marks.get(&below(section, key))?.value;
-        let known = (shelf.folder, name.to_owned());
+        let known = (shelf.folder, name.clone());
         if let Some(attachment) = self.attachments.get(&known) {
             return Some(attachment.clone());
         }
@@ -383,7 +383,7 @@ fn replaced(marks: &Marks, below: &[&Map], sources: &Sources) -> BTreeMap<String
 }
 
 fn allowed(table: &Table) -> BTreeMap<String, String> {
-    let Some(Value::Table(allow)) = table.get("allow") else { return BTreeMap::new() };
+    let Some(Value::Table(allow)) = table.get(section::Header::allow.name) else { return BTreeMap::new() };
     let texts = allow.iter().filter_map(|(code, reason)| match reason {
         Value::Text(reason) => Some((code.clone(), reason.clone())),
         _ => None,
@@ -400,16 +400,16 @@ fn compared(experiment: &Experiment, sources: &Sources) -> Vec<PathBuf> {
 
 /// The specs of `report.baseline`, relative to the file that names them.
 fn baselines(experiment: &Experiment, sources: &Sources) -> Vec<NamedSpec> {
-    let named = experiment.section("report").and_then(|report| report.get("baseline"));
-    let names = match named {
-        Some(Value::Text(name)) => vec![name],
-        Some(Value::List(names)) => names.iter().filter_map(Value::as_text).collect(),
-        _ => Vec::new(),
+    let names = match Section::new(&experiment.table).at(Report::baseline) {
+        Some(Specs::One(name)) => vec![name],
+        Some(Specs::Several(names)) => names,
+        None => Vec::new(),
     };
-    let file = naming_file(experiment, "report.baseline", sources);
-    let named = |(place, name): (usize, &String)| {
-        let place = experiment.marks.nearest(&format!("report.baseline.{place}")).map(|mark| mark.value);
-        NamedSpec { path: beside(file, name), place }
+    let path = Report::baseline.path();
+    let file = naming_file(experiment, &path, sources);
+    let named = |(place, name): (usize, String)| {
+        let place = experiment.marks.nearest(&format!("{path}.{place}")).map(|mark| mark.value);
+        NamedSpec { path: beside(file, &name), place }
     };
     names.into_iter().enumerate().map(named).collect()
 }

@@ -1,5 +1,6 @@
 //! The profiles of a spec: overlays chosen on the command line, which may extend one another.
 
+use super::section::Header;
 use std::collections::BTreeMap;
 
 use super::suggest::{listed, nearest};
@@ -32,7 +33,7 @@ impl Profiles {
     /// Removes the profiles from a merged spec. Reports profiles that are not tables, that extend an unknown
     /// profile, and those beyond the limit.
     pub fn take(root: &mut Map, sink: &mut Sink) -> Self {
-        let Some(entry) = root.entries.remove("profile") else { return Self::default() };
+        let Some(entry) = root.entries.remove(Header::profile.name) else { return Self::default() };
         let Item::Table(map) = entry.node.item else {
             sink.emit(not_a_table(&entry.node, "`profile`"));
             return Self::default();

@@ -49,9 +49,51 @@ pub struct Vocabulary {
     pub motions: Vec<Embedded>,
 }
 
-/// Keys of a spec outside its sections.
-pub const HEADER: &[&str] =
-    &["spec", "name", "summary", "extends", "abstract", "requires", "profile", "allow"];
+keys! {
+    /// The sections of a profile.
+    pub struct Overlay {}
+}
+
+keys! {
+    /// The keys of a spec before its sections.
+    pub struct Header {
+        /// The edition of the language: 1.
+        spec: u64,
+        /// The spec's name; by default that of its file.
+        name: Option<String>,
+        /// A one-sentence summary.
+        summary: Option<String>,
+        /// One parent or several, relative to this file; later ones win.
+        extends: Option<Specs>,
+        /// Whether it is a parent that cannot be run itself; not inherited.
+        #[default("false")]
+        r#abstract: bool,
+        /// Keys that every spec that extends this file must set: `["action.std"]`.
+        requires: Option<Vec<String>>,
+        /// Overlays by name, `[profile.NAME]`; each holds sections and is chosen by `--profile NAME`. With
+        /// `extends = "OTHER"` it applies on top of another profile.
+        profile: Option<Named<Overlay>>,
+        /// Accepted warnings, each with its reason.
+        allow: Option<Named<String>>,
+    }
+}
+
+impl Header {
+    /// The keys that are tables of their own, and no single values at the top of the file.
+    pub const AROUND_SECTIONS: [&str; 2] = [Self::profile.name, Self::allow.name];
+    /// The keys that a spec has and a suite has not.
+    pub const OF_SPECS: [&str; 3] = [Self::name.name, Self::r#abstract.name, Self::requires.name];
+
+    /// The names of its keys.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        Self::PARAMS.iter().map(|param| param.name)
+    }
+
+    /// The names of the keys at the top of the file.
+    pub fn top() -> impl Iterator<Item = &'static str> {
+        Self::names().filter(|name| !Self::AROUND_SECTIONS.contains(name))
+    }
+}
 
 keys! {
     /// `[robot]`

@@ -139,6 +139,14 @@ impl Value {
         }
     }
 
+    /// The table to be changed, if it is one.
+    pub fn as_table_mut(&mut self) -> Option<&mut Table> {
+        match self {
+            Self::Table(table) => Some(table),
+            _ => None,
+        }
+    }
+
     /// The value as canonical JSON: SI numbers, no text, keys sorted. Equal values have equal canonical JSON.
     pub fn canonical(&self) -> serde_json::Value {
         use serde_json::json;
@@ -160,11 +168,12 @@ pub fn canonical_table(table: &Table) -> serde_json::Value {
     serde_json::Value::Object(table.iter().map(|(key, value)| (key.clone(), value.canonical())).collect())
 }
 
+/// The key with the kind of a table, which decoding always fills in.
+pub const KIND: &str = "kind";
+
 /// A view of one decoded table.
 ///
-/// Keys are read through their declarations ([`crate::spec::typed`]); only this folder reads keys by name.
-/// Those getters panic if a key is missing or has another type: decoding checks both against the descriptor,
-/// so that is a bug in specforge.
+/// Keys are read through their declarations: see [`crate::spec::typed`].
 #[derive(Clone, Copy, Debug)]
 pub struct Section<'a> {
     table: &'a Table,
@@ -183,60 +192,12 @@ impl<'a> Section<'a> {
 
     /// The kind of the table, filled in by decoding.
     pub fn kind(&self) -> Option<&'a str> {
-        self.text_if("kind")
+        self.get(KIND)?.as_text().map(String::as_str)
     }
 
     /// The value of an optional key.
     pub fn get(&self, key: &str) -> Option<&'a Value> {
         self.table.get(key)
-    }
-
-    /// Whether the key is present.
-    pub(super) fn has(&self, key: &str) -> bool {
-        self.table.contains_key(key)
-    }
-
-    fn expect(&self, key: &str) -> &'a Value {
-        self.table.get(key).unwrap_or_else(|| panic!("the descriptor promised a key `{key}`"))
-    }
-
-    /// A number in SI units.
-    pub(super) fn si(&self, key: &str) -> f64 {
-        number(self.expect(key)).unwrap_or_else(|| panic!("the descriptor promised a number at `{key}`"))
-    }
-
-    /// A number in SI units, if the key is present.
-    pub(super) fn si_if(&self, key: &str) -> Option<f64> {
-        self.get(key).and_then(number)
-    }
-
-    /// A whole number.
-    pub(super) fn count(&self, key: &str) -> u64 {
-        match self.expect(key) {
-            Value::Count(count) => *count,
-            other => panic!("the descriptor promised a count at `{key}`, found {other:?}"),
-        }
-    }
-
-    /// A flag.
-    pub(super) fn flag(&self, key: &str) -> bool {
-        match self.expect(key) {
-            Value::Flag(flag) => *flag,
-            other => panic!("the descriptor promised a flag at `{key}`, found {other:?}"),
-        }
-    }
-
-    /// A word or text.
-    pub(super) fn text(&self, key: &str) -> &'a str {
-        self.text_if(key).unwrap_or_else(|| panic!("the descriptor promised a text at `{key}`"))
-    }
-
-    /// A word or text, if the key is present.
-    pub(super) fn text_if(&self, key: &str) -> Option<&'a str> {
-        match self.get(key) {
-            Some(Value::Text(text)) => Some(text),
-            _ => None,
-        }
     }
 
     /// The table of this key, if present.

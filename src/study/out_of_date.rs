@@ -1,6 +1,7 @@
 //! Finds pages whose specs were changed or deleted after the page was rendered. Needs the specs, not the
 //! store.
 
+use crate::spec::section::Header;
 use std::path::Path;
 
 use super::standing::{self, Recorded};
@@ -83,7 +84,7 @@ fn claims(report: &Sidecar, study: &Study, recorded: &Recorded) -> Option<String
 fn summary(report: &Sidecar, study: &Study) -> Option<String> {
     let plan = &study.plan;
     let stage = plan.stages().find(|stage| stage.kind == StageKind::Report).filter(|_| named(plan) == 1)?;
-    let present = match stage.fields.get("summary") {
+    let present = match stage.fields.get(Header::summary.name) {
         Some(Value::Text(text)) => text.as_str(),
         _ => "",
     };

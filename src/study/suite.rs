@@ -1,5 +1,8 @@
 //! From a suite's file to its plan: every arm is checked and lowered; what arms share is stored once.
 
+use crate::spec::claim::keys;
+use crate::spec::section::Header;
+use crate::spec::typed::InSection as _;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -142,11 +145,11 @@ pub fn record(checked: &CheckedSuite, suite: &Suite) -> SuiteRecord {
 /// The fields of the suite that the report needs.
 fn fields(suite: &Suite, claims: &[Claim]) -> Table {
     let text = |text: &String| Value::Text(text.clone());
-    let own = [("name", text(&suite.name)), ("summary", text(&suite.summary))];
+    let own = [(Header::name.name, text(&suite.name)), (Header::summary.name, text(&suite.summary))];
     let mut fields: Table = own.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
     if !claims.is_empty() {
         let claims = claims.iter().map(|claim| Value::Table(claim.fields.clone())).collect();
-        fields.insert("claim".to_owned(), Value::List(claims));
+        fields.insert(keys::Claim::SECTION.to_owned(), Value::List(claims));
     }
     fields.insert("report".to_owned(), Value::Table(suite.report.clone()));
     fields

@@ -4,7 +4,7 @@ use super::{Scope, at, name};
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::spec::claim::cases::{counterparts, matching};
 use crate::spec::claim::{
-    ArmPattern, Case, Claim, Over, Points, Term, alternatives, cases, is_meant, unpaired,
+    ArmPattern, Case, Claim, Over, Points, Term, alternatives, cases, is_meant, keys, unpaired,
 };
 use crate::spec::suggest::{listed, nearest};
 
@@ -13,12 +13,12 @@ pub fn cases_of(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Vec<Cas
     let points = scope.points();
     let mut known = true;
     for (side, pattern) in &claim.sides {
-        let path = if claim.sides.len() == 1 { "arm".to_owned() } else { format!("compare.{side}") };
+        let path = claim.key_of_side(side);
         known &= exists(claim, &path, pattern, scope, sink);
     }
     known &= axis_exists(claim, scope, sink);
     let pattern = claim.baseline.as_ref().and_then(|baseline| baseline.twin.as_ref());
-    known &= pattern.is_none_or(|pattern| exists(claim, "twin", pattern, scope, sink));
+    known &= pattern.is_none_or(|pattern| exists(claim, keys::Claim::twin.name, pattern, scope, sink));
     let cases = known.then(|| cases(claim, &points))?;
     if let Some(pattern) = pattern {
         have_twins(claim, pattern, scope, &cases, sink)?;
@@ -65,7 +65,7 @@ fn have_twins(
         }
     });
     let Some((error, remark)) = trouble else { return Some(()) };
-    sink.emit(at(claim, "twin", error, &remark));
+    sink.emit(at(claim, keys::Claim::twin.name, error, &remark));
     None
 }
 
@@ -101,12 +101,12 @@ fn names_one(written: &str, known: &[&str]) -> bool {
 /// E0803: every axis and point that a claim names exists, regardless of which arms do.
 pub fn names_are_known(claim: &Claim, scope: &Scope, sink: &mut Sink) {
     for (side, pattern) in &claim.sides {
-        let path = if claim.sides.len() == 1 { "arm".to_owned() } else { format!("compare.{side}") };
+        let path = claim.key_of_side(side);
         terms_exist(claim, &path, pattern, scope, sink);
     }
     axis_exists(claim, scope, sink);
     if let Some(pattern) = claim.baseline.as_ref().and_then(|baseline| baseline.twin.as_ref()) {
-        terms_exist(claim, "twin", pattern, scope, sink);
+        terms_exist(claim, keys::Claim::twin.name, pattern, scope, sink);
     }
 }
 
@@ -172,8 +172,8 @@ fn axis_exists(claim: &Claim, scope: &Scope, sink: &mut Sink) -> bool {
     }
     let error =
         Diagnostic::error("E0803", format!("the claim is over an axis `{axis}`, and the suite has none"));
-    let error = at(claim, key, error, "unknown");
-    let span = claim.marks.get(key).map(|mark| mark.value);
+    let error = at(claim, &key, error, "unknown");
+    let span = claim.marks.get(&key).map(|mark| mark.value);
     sink.emit(match (nearest(axis, axes()), span) {
         (Some(near), Some(span)) => {
             error.help(format!("did you mean `{near}`?")).fix(span, format!("\"{near}\""))
@@ -190,7 +190,7 @@ fn trouble(
     points: &[&Points],
     cases: &[Case],
 ) -> Option<(&'static str, Diagnostic, String)> {
-    let key = if claim.sides.len() == 1 { "arm" } else { "compare" };
+    let key = claim.key_of_sides();
     let first = |arms: &[usize]| arms.first().map(|arm| name(scope.arms[*arm].points)).unwrap_or_default();
     let alone = unpaired(claim, points, cases);
     if !alone.is_empty() {
@@ -233,7 +233,7 @@ fn trouble(
             let message = format!("the claim is over the axis `{axis}` and names one point of it");
             let help = format!("name several of its points, for example `{axis}=*`, or remove `over`");
             Some((
-                "over",
+                keys::Claim::over.name,
                 Diagnostic::error("E0806", message).help(help),
                 "nothing to choose from".to_owned(),
             ))
@@ -253,7 +253,11 @@ fn trouble(
                 Over::AtLeast(_) if count == cases.len() => "write `over = \"each\"`".to_owned(),
                 _ => format!("write a number below {}", cases.len()),
             };
-            Some(("over", Diagnostic::error("E0806", message).help(help), "always or never so".to_owned()))
+            Some((
+                keys::Claim::over.name,
+                Diagnostic::error("E0806", message).help(help),
+                "always or never so".to_owned(),
+            ))
         }
         Some(Over::Trend(axis))
             if cases.len() < FEWEST_OF_A_TREND || repeats(cases) || !differ_in(axis, points, cases) =>
@@ -270,7 +274,7 @@ fn trouble(
         Some(Over::Mean) if repeats(cases) => {
             let help = "the mean over arms takes each arm once: name the axis on which one side varies, or \
                 write `over = \"each\"`";
-            Some(("over", several().help(help), "one arm stands in several".to_owned()))
+            Some((keys::Claim::over.name, several().help(help), "one arm stands in several".to_owned()))
         }
         _ => None,
     }

@@ -7,7 +7,7 @@ use crate::check::subject::short;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::metric::{MetricKind, Scale};
 use crate::kinds::statistic::{Method, StatisticKind};
-use crate::spec::claim::{Case, Claim, Operand, Over};
+use crate::spec::claim::{Case, Claim, Expectation, Operand, Over, keys};
 use crate::statistics::region::Region;
 
 /// E0204: the number that an arm is compared with is a possible value of the metric, its difference or its
@@ -23,7 +23,7 @@ pub fn number_is_possible(claim: &Claim, statistic: &StatisticKind, metric: &Met
     }
     let of = measured(claim, metric);
     let message = format!("the number in `expect` is out of range: {of} is never {}", number.text);
-    let error = at(claim, "expect.right", Diagnostic::error("E0204", message), "not possible");
+    let error = at(claim, Expectation::RIGHT, Diagnostic::error("E0204", message), "not possible");
     sink.emit(error.help(format!("write a number {}", range.in_words(claim, metric))));
 }
 
@@ -56,11 +56,14 @@ pub fn distances_are_possible(
     if let Some(offset) = claim.expect.offset.as_ref().filter(|offset| !range.contains(offset.si)) {
         let most = if offset.si > 0.0 { range.high } else { -range.low };
         let distance = offset.text.trim_start_matches('-');
-        return report("expect.offset", "the distance in `expect`", distance, most);
+        return report(Expectation::OFFSET, "the distance in `expect`", distance, most);
     }
     let most = range.farthest_from(Region::of(claim, statistic).centre());
     let (within, margin) = (&claim.expect.within, &claim.margin);
-    let distances = [("expect.within", "the tolerance of `==`", within), ("margin", "`margin`", margin)];
+    let distances = [
+        (Expectation::WITHIN, "the tolerance of `==`", within),
+        (keys::Claim::margin.name, "`margin`", margin),
+    ];
     for (key, what, distance) in distances {
         if let Some(distance) = distance.as_ref().filter(|distance| distance.si > most) {
             report(key, what, &distance.text, most);
@@ -84,7 +87,7 @@ pub fn assumed_values_are_possible(
     // The standard deviation of values in a range is at most half its width (Popoviciu's inequality).
     let most = 0.5 * range::of_a_run(claim, metric).width();
     if claim.spread.as_ref().is_some_and(|spread| spread.si > most) {
-        report("spread", "a standard deviation", Range { low: 0.0, high: most });
+        report(keys::Claim::spread.name, "a standard deviation", Range { low: 0.0, high: most });
     }
     let range = range::of_the_arms(claim, metric, cases.len());
     let what = match (claim.sides.len(), &claim.over) {
@@ -97,7 +100,7 @@ pub fn assumed_values_are_possible(
         report("paper.number", what, range);
     }
     let Some(_) = claim.effect.as_ref().filter(|effect| !range.contains(effect.si)) else { return true };
-    report("effect", what, range);
+    report(keys::Claim::effect.name, what, range);
     false
 }
 
@@ -120,8 +123,11 @@ pub fn samples_are_in_the_training(
         arms_in(cases, scope).into_iter().filter_map(of).max_by(|(_, one), (_, other)| one.total_cmp(other));
     let Some((arm, samples)) = longest else { return };
     let (expect, margin) = (&claim.expect, &claim.margin);
-    let distances =
-        [("expect.offset", &expect.offset), ("expect.within", &expect.within), ("margin", margin)];
+    let distances = [
+        (Expectation::OFFSET, &expect.offset),
+        (Expectation::WITHIN, &expect.within),
+        (keys::Claim::margin.name, margin),
+    ];
     let far = distances
         .into_iter()
         .find(|(_, distance)| distance.as_ref().is_some_and(|far| far.si.abs() > samples));

@@ -3,7 +3,7 @@
 use super::at;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::statistic::{Method, StatisticKind};
-use crate::spec::claim::{Claim, Over};
+use crate::spec::claim::{Claim, Over, keys};
 use crate::statistics::Interval;
 use crate::statistics::region::Region;
 
@@ -24,7 +24,7 @@ pub fn lies_where_expected(claim: &Claim, statistic: &StatisticKind, sink: &mut 
     let (not, remark) =
         if is_negated { ("", "meets the claim") } else { (" not", "does not meet the claim") };
     let message = format!("`effect` is out of range: with it `{}` does{not} hold", claim.expect.written());
-    let error = at(claim, "effect", Diagnostic::error("E0204", message), remark);
+    let error = at(claim, keys::Claim::effect.name, Diagnostic::error("E0204", message), remark);
     let of = match (claim.sides.len(), claim.expect.factor == 1.0) {
         (1, _) => "of the arm".to_owned(),
         (_, true) => format!("of `{}` minus `{}`", claim.expect.left, other(claim)),

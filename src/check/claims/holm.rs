@@ -4,7 +4,7 @@ use super::{Scope, arms_in, at, sample};
 use crate::check::subject::short;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::statistic::{self, StatisticKind, Unit};
-use crate::spec::claim::{Case, Claim, Points, cases};
+use crate::spec::claim::{Case, Claim, Points, cases, keys};
 use crate::spec::suggest::listed;
 use crate::statistics::multiplicity::holm;
 
@@ -36,7 +36,7 @@ pub fn can_be_established(claims: &[Claim], scope: &Scope, sink: &mut Sink) {
         claims.len()
     );
     let remark = format!("p is {} at best, times {}", short(planned.smallest), claims.len());
-    let warning = at(first, "test", Diagnostic::warning("W0511", message), &remark);
+    let warning = at(first, keys::Claim::test.name, Diagnostic::warning("W0511", message), &remark);
     let level = first.alpha / (planned.divisor * claims.len() as f64);
     let warning = match scope.seeds {
         Some(span) => warning.note(span, "the seeds"),

@@ -15,7 +15,7 @@ use crate::kinds::terrain::Ground;
 use crate::quantity::{self, Dimension};
 use crate::robot::SelfCollision;
 use crate::spec::claim::cases::twin;
-use crate::spec::claim::{ArmPattern, Case, Claim, Operand};
+use crate::spec::claim::{ArmPattern, Case, Claim, Expectation, MetricPath, Operand, keys};
 use crate::spec::suggest::{listed, nearest};
 use crate::spec::typed::InSection;
 use crate::spec::{Quantity, Section, Signal, Table};
@@ -25,9 +25,9 @@ pub fn metric(claim: &Claim, sink: &mut Sink) -> Option<&'static MetricKind> {
     let found = metric::find(&claim.metric.name);
     if found.is_none() {
         let error = Diagnostic::error("E0804", format!("there is no metric `{}`", claim.metric.name));
-        let error = at(claim, "metric.name", error, "not a metric");
+        let error = at(claim, MetricPath::NAME, error, "not a metric");
         let names = || metric::KINDS.iter().map(|metric| metric.kind.name);
-        let span = claim.marks.get("metric.name").map(|mark| mark.value);
+        let span = claim.marks.get(MetricPath::NAME).map(|mark| mark.value);
         sink.emit(match (nearest(&claim.metric.name, names()), span) {
             (Some(near), Some(span)) => error.help(format!("did you mean `{near}`?")).fix(span, near),
             _ => error.help("`specforge list metric` prints the metrics"),
@@ -39,7 +39,7 @@ pub fn metric(claim: &Claim, sink: &mut Sink) -> Option<&'static MetricKind> {
             "E0101",
             format!("missing key `threshold`: `{}` waits for it", claim.metric.name),
         );
-        let error = at(claim, "metric.name", error, "until which return?");
+        let error = at(claim, MetricPath::NAME, error, "until which return?");
         sink.emit(error.help("add a line such as `threshold = 100`"));
         return None;
     }
@@ -55,23 +55,27 @@ fn asks_for_what_it_takes(claim: &Claim, metric: &MetricKind, sink: &mut Sink) -
     let (name, is_of_failures) = (metric.kind.name, matches!(metric.source, Source::Failures(_)));
     let wrong = if is_of_failures && claim.parameter.is_none() {
         let error = Diagnostic::error("E0101", format!("missing key `parameter`: `{name}` is about one"));
-        let error = at(claim, "metric.name", error, "of which parameter?");
+        let error = at(claim, MetricPath::NAME, error, "of which parameter?");
         Some(error.help("add a line such as `parameter = \"action_delay\"`"))
     } else if claim.parameter.is_some() && !is_of_failures {
         let error = Diagnostic::error(
             "E0105",
             format!("`parameter` is a key of metrics of failures, not of `{name}`"),
         );
-        Some(at(claim, "parameter", error, "of no use here").help("remove it, or measure `failure_loading`"))
+        Some(
+            at(claim, keys::Claim::parameter.name, error, "of no use here")
+                .help("remove it, or measure `failure_loading`"),
+        )
     } else if claim.threshold.is_some() && metric.scale != Scale::Censored {
         let message = format!("`threshold` is a key of `samples_to_threshold`, not of `{name}`");
-        let error = at(claim, "threshold", Diagnostic::error("E0105", message), "of no use here");
+        let error =
+            at(claim, keys::Claim::threshold.name, Diagnostic::error("E0105", message), "of no use here");
         Some(error.help("remove it, or measure `learn.samples_to_threshold`"))
     } else if claim.until.is_some() && !matches!(metric.source, Source::Learning(_)) {
         let error =
             Diagnostic::error("E0105", format!("`until` is a key of metrics of a training, not of `{name}`"));
         Some(
-            at(claim, "until", error, "until which sample?")
+            at(claim, keys::Claim::until.name, error, "until which sample?")
                 .help("remove it, or measure `learn.area_under_curve`"),
         )
     } else {
@@ -87,13 +91,13 @@ pub fn produced(claim: &Claim, metric: &MetricKind, scope: &Scope, cases: &[Case
     if produced_by(
         claim,
         metric,
-        Written { stage: &claim.metric.stage, key: "metric.stage" },
+        Written { stage: &claim.metric.stage, key: MetricPath::STAGE },
         scope,
         cases,
         sink,
     ) {
         if let Some(baseline) = &claim.baseline {
-            let key = if claim.fields.contains_key("baseline") { "baseline" } else { "twin" };
+            let key = claim.key_of_baseline();
             let twins = baseline.twin.as_ref().map(|pattern| twins(pattern, scope, cases));
             let compared = twins.as_deref().unwrap_or(cases);
             produced_by(claim, metric, Written { stage: &baseline.stage, key }, scope, compared, sink);
@@ -123,7 +127,7 @@ fn measurable(claim: &Claim, metric: &MetricKind, scope: &Scope, cases: &[Case],
     if let Some((arm, (message, help))) = found {
         let error = at(
             claim,
-            "metric.name",
+            MetricPath::NAME,
             Diagnostic::error("E1001", message),
             &format!("in the arm `{}`", name(arm.points)),
         );
@@ -175,7 +179,8 @@ fn produced_by(
         sink.emit(match (nearest(stage, known.iter().map(String::as_str)), span) {
             (Some(near), Some(span)) => {
                 let near = near.to_owned();
-                let written = if key == "baseline" { format!("\"{near}\"") } else { near.clone() };
+                let written =
+                    if key == keys::Claim::baseline.name { format!("\"{near}\"") } else { near.clone() };
                 error.help(format!("did you mean `{near}`?")).fix(span, written)
             }
             _ => error.help(format!("its measured stages are {}", listed(known.iter().map(String::as_str)))),
@@ -337,19 +342,19 @@ pub fn units(claim: &Claim, statistic: &StatisticKind, metric: &MetricKind, sink
         _ => metric.dimension,
     };
     let number = match &claim.expect.right {
-        Operand::Number(number) => Some(("expect.right", number)),
+        Operand::Number(number) => Some((Expectation::RIGHT, number)),
         Operand::Arm(_) => None,
     };
-    let within = claim.expect.within.as_ref().map(|within| ("expect.within", within));
-    let margin = claim.margin.as_ref().map(|margin| ("margin", margin));
-    let offset = claim.expect.offset.as_ref().map(|offset| ("expect.offset", offset));
+    let within = claim.expect.within.as_ref().map(|within| (Expectation::WITHIN, within));
+    let margin = claim.margin.as_ref().map(|margin| (keys::Claim::margin.name, margin));
+    let offset = claim.expect.offset.as_ref().map(|offset| (Expectation::OFFSET, offset));
     for (key, quantity) in [number, within, margin, offset].into_iter().flatten() {
         unit(claim, key, quantity, metric, expected, sink);
     }
     // The dimension of the metric itself, whatever the test computes from it.
     let measured = if is_ratio { Dimension::NONE } else { metric.dimension };
-    let spread = claim.spread.as_ref().map(|spread| ("spread", spread));
-    let effect = claim.effect.as_ref().map(|effect| ("effect", effect));
+    let spread = claim.spread.as_ref().map(|spread| (keys::Claim::spread.name, spread));
+    let effect = claim.effect.as_ref().map(|effect| (keys::Claim::effect.name, effect));
     let number = claim.paper.as_ref().and_then(|paper| paper.number.as_ref());
     let number = number.map(|number| ("paper.number", number));
     for (key, quantity) in [spread, effect, number].into_iter().flatten() {

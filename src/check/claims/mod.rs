@@ -24,9 +24,9 @@ use std::collections::BTreeMap;
 
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::robot::Robot;
-use crate::spec::claim::{Case, Claim, Points};
+use crate::spec::claim::{Case, Claim, Points, keys};
 use crate::spec::{Table, claim};
-use crate::syntax::{Layer, Node};
+use crate::syntax::Node;
 use sample::Lone;
 
 /// What claims can refer to.
@@ -140,7 +140,7 @@ fn check(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Lone> {
 
 /// E0104: two claims with the same name.
 fn repeated(claim: &Claim, names: &mut BTreeMap<String, Span>, sink: &mut Sink) {
-    let Some(place) = place(claim, "id") else { return };
+    let Some(place) = claim.place(keys::Claim::id.name) else { return };
     if let Some(first) = names.get(&claim.id) {
         let error = Diagnostic::error("E0104", format!("the claim `{}` stands twice", claim.id))
             .at(place, "again here");
@@ -152,15 +152,9 @@ fn repeated(claim: &Claim, names: &mut BTreeMap<String, Span>, sink: &mut Sink) 
     }
 }
 
-/// The place of a key's value; if it is a default or absent, that of the claim's name.
-fn place(claim: &Claim, key: &str) -> Option<Span> {
-    let written = claim.marks.nearest(key).filter(|mark| mark.layer != Layer::Default);
-    written.or_else(|| claim.marks.get("id")).map(|mark| mark.value)
-}
-
 /// A diagnostic at a key.
 fn at(claim: &Claim, key: &str, diagnostic: Diagnostic, remark: &str) -> Diagnostic {
-    match place(claim, key) {
+    match claim.place(key) {
         Some(span) => diagnostic.at(span, remark),
         None => diagnostic,
     }

@@ -4,7 +4,7 @@ use super::{Scope, at};
 use crate::check::subject::short;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::statistic;
-use crate::spec::claim::{Case, Claim, cases};
+use crate::spec::claim::{Case, Claim, cases, keys};
 use crate::statistics::assumed::Assumed;
 
 /// With less power than this, a claim is more likely left open than established even if its effect is real.
@@ -27,7 +27,7 @@ fn told(claim: &Claim, cases: &[Case], scope: &Scope, level: f64) -> Option<Diag
     let message =
         format!("`{}` would stay open though its effect is there: its power is {percent} %", claim.id);
     let remark = format!("with this effect and spread, at alpha {}", short(level));
-    let warning = at(claim, "effect", Diagnostic::warning("W1003", message), &remark);
+    let warning = at(claim, keys::Claim::effect.name, Diagnostic::warning("W1003", message), &remark);
     let warning = match scope.seeds {
         Some(span) => warning.note(span, "the seeds"),
         None => warning,

@@ -10,7 +10,7 @@ use crate::diag::{Diagnostic, Sink};
 use crate::kinds::deploy;
 use crate::kinds::metric::{MetricKind, Scale};
 use crate::kinds::statistic::{Method, StatisticKind, Unit};
-use crate::spec::claim::{Case, Claim, Operand, Over, Relation, alternatives};
+use crate::spec::claim::{Case, Claim, Operand, Over, Relation, alternatives, keys};
 use crate::statistics::Interval;
 use crate::statistics::mean::FEWEST;
 use crate::statistics::region::Region;
@@ -326,8 +326,12 @@ impl Best<'_> {
     fn refutation(&self) -> Diagnostic {
         let id = &self.claim.id;
         let message = format!("no result can refute `{id}`: it can pass, but not fail");
-        let warning =
-            at(self.claim, "expect", Diagnostic::warning("W1001", message), "nothing contradicts it");
+        let warning = at(
+            self.claim,
+            keys::Claim::expect.name,
+            Diagnostic::warning("W1001", message),
+            "nothing contradicts it",
+        );
         let enough = self.episodes.filter(|_| self.counts()).and_then(|episodes| self.enough(episodes));
         let purpose = "for the smallest effect that the claim is about";
         warning.help(match (enough, self.room(), self.room_for_the_margin()) {
@@ -347,7 +351,7 @@ impl Best<'_> {
     fn warning(&self) -> Diagnostic {
         let (id, stage) = (&self.claim.id, &self.claim.metric.stage);
         let warned = |message: String, remark: &str| {
-            at(self.claim, "expect", Diagnostic::warning("W0511", message), remark)
+            at(self.claim, keys::Claim::expect.name, Diagnostic::warning("W0511", message), remark)
         };
         if let Some(episodes) = self.too_few_to_resample() {
             let message = format!("no result of {episodes} episodes can establish or refute `{id}`");
@@ -394,7 +398,8 @@ impl Best<'_> {
             Some(episodes) => format!("p is {} at best of {fewest} runs of {episodes} episodes", short(p)),
             None => format!("p is {} at best of {fewest} runs", short(p)),
         };
-        let warning = at(self.claim, "expect", Diagnostic::warning("W0511", message), &remark);
+        let warning =
+            at(self.claim, keys::Claim::expect.name, Diagnostic::warning("W0511", message), &remark);
         let with = |episodes: usize, runs: usize| {
             let runs = vec![runs; self.runs.len()];
             Best { episodes: Some(episodes), runs, ..self.clone() }.settles_alike()

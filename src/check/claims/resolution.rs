@@ -10,7 +10,7 @@ use crate::kinds::deploy;
 use crate::kinds::metric::{MetricKind, Scale, Source};
 use crate::kinds::statistic::{Method, StatisticKind, Unit};
 use crate::spec::Quantity;
-use crate::spec::claim::{Case, Claim, Over, Relation};
+use crate::spec::claim::{Case, Claim, Expectation, Over, Relation, keys};
 
 /// Decimals of reported ratios.
 const DIGITS_OF_A_RATIO: i32 = 2;
@@ -68,7 +68,7 @@ pub fn numbers_can_be_told_from_nothing(
     if is_smaller(spread, &smallest) {
         let message = format!("`spread` of `{}` is too small for runs that differ at all", claim.id);
         let remark = format!("less than {}", smallest.told);
-        let warning = at(claim, "spread", Diagnostic::warning("W1004", message), &remark);
+        let warning = at(claim, keys::Claim::spread.name, Diagnostic::warning("W1004", message), &remark);
         let least = at_least(smallest.number, claim, metric);
         sink.emit(warning.help(format!(
             "write the standard deviation between runs that you expect, {least} or more, or remove `spread`"
@@ -92,9 +92,9 @@ fn at_least(number: f64, claim: &Claim, metric: &MetricKind) -> String {
 /// The claim's distance below the smallest number, with what the claim then decides.
 fn distance(claim: &Claim, metric: &MetricKind, smallest: &Smallest, sink: &mut Sink) {
     let keys = [
-        ("expect.offset", &claim.expect.offset),
-        ("expect.within", &claim.expect.within),
-        ("margin", &claim.margin),
+        (Expectation::OFFSET, &claim.expect.offset),
+        (Expectation::WITHIN, &claim.expect.within),
+        (keys::Claim::margin.name, &claim.margin),
     ];
     let found = keys.into_iter().filter_map(|(key, distance)| Some((key, distance.as_ref()?)));
     for (key, small) in found.filter(|(_, distance)| is_smaller(distance, smallest)) {

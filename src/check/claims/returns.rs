@@ -14,7 +14,7 @@ use crate::kinds::fine_tune::{self, FineTuning};
 use crate::kinds::metric::{MetricKind, Source, Sums};
 use crate::kinds::reward::Rewards;
 use crate::kinds::task::Walk;
-use crate::spec::claim::{Case, Claim, Operand, Over};
+use crate::spec::claim::{Case, Claim, Expectation, MetricPath, Operand, Over, keys};
 use crate::spec::section::RewardTerm;
 use crate::spec::suggest::listed;
 use crate::spec::typed::InSection;
@@ -40,7 +40,7 @@ pub fn measure_the_same(claim: &Claim, metric: &MetricKind, scope: &Scope, cases
         metric.kind.name,
         listed(keys.iter().map(String::as_str))
     );
-    let warning = at(claim, "metric.name", Diagnostic::warning("W0510", message), "not the same sum");
+    let warning = at(claim, MetricPath::NAME, Diagnostic::warning("W0510", message), "not the same sum");
     let help = match keys.iter().all(|key| key == RATE) {
         true => {
             "compare by `learn.final_return_time`, or compare what the robot does, for example \
@@ -83,7 +83,7 @@ pub fn are_possible(claim: &Claim, metric: &MetricKind, scope: &Scope, cases: &[
         };
         let (least, most) = common(&ranges);
         if let Some((message, remark)) = told {
-            let error = at(claim, "threshold", Diagnostic::error("E0204", message), &remark);
+            let error = at(claim, keys::Claim::threshold.name, Diagnostic::error("E0204", message), &remark);
             sink.emit(error.help(format!("write a return between {} and {}", short(least), short(most))));
         }
         return;
@@ -99,7 +99,7 @@ pub fn are_possible(claim: &Claim, metric: &MetricKind, scope: &Scope, cases: &[
             format!("the number in `expect` is out of range: no return of an episode is {}", number.text);
         let remark =
             format!("those of the arm `{arm}` are from {} to {}", short(range.low), short(range.high));
-        let error = at(claim, "expect.right", Diagnostic::error("E0204", message), &remark);
+        let error = at(claim, Expectation::RIGHT, Diagnostic::error("E0204", message), &remark);
         let (least, most) = common(&ranges);
         sink.emit(error.help(format!("write a return between {} and {}", short(least), short(most))));
     }

@@ -7,7 +7,7 @@ use crate::check::subject::short;
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::kinds::metric::{MetricKind, Scale};
 use crate::kinds::statistic::{self, Method, StatisticKind, Unit};
-use crate::spec::claim::{Case, Claim, Over, Relation, Summary, alternatives};
+use crate::spec::claim::{Case, Claim, Expectation, Over, Relation, Summary, alternatives, keys};
 use crate::spec::suggest::{listed, nearest};
 
 /// The test of a claim; E0301 if it is unknown.
@@ -15,9 +15,9 @@ pub fn statistic(claim: &Claim, sink: &mut Sink) -> Option<&'static StatisticKin
     let found = statistic::find(&claim.test);
     if found.is_none() {
         let error = Diagnostic::error("E0301", format!("unknown test `{}`", claim.test));
-        let error = at(claim, "test", error, "");
+        let error = at(claim, keys::Claim::test.name, error, "");
         let names = || statistic::KINDS.iter().map(|test| test.kind.name);
-        let span = claim.marks.get("test").map(|mark| mark.value);
+        let span = claim.marks.get(keys::Claim::test.name).map(|mark| mark.value);
         sink.emit(match (nearest(&claim.test, names()), span) {
             (Some(near), Some(span)) => {
                 error.help(format!("did you mean `{near}`?")).fix(span, format!("\"{near}\""))
@@ -51,10 +51,14 @@ pub fn suits(claim: &Claim, test: &StatisticKind, metric: &MetricKind, sink: &mu
     let is_trend_of_shares = is_trend && test.method == Method::Newcombe && claim.sides.len() == 1;
     let bootstrap = test.method == Method::StratifiedBootstrap;
     let (key, message, help) = if !test.takes.contains(&metric.scale) {
-        ("test", format!("`{word}` does not take `{measured}`"), advice("tests that take it are"))
+        (
+            keys::Claim::test.name,
+            format!("`{word}` does not take `{measured}`"),
+            advice("tests that take it are"),
+        )
     } else if !test.arms.takes(claim.sides.len()) && !is_trend_of_shares {
         let arms = if claim.sides.len() == 1 { "one arm with a number" } else { "two arms" };
-        ("test", format!("`{word}` does not compare {arms}"), advice("tests that do are"))
+        (keys::Claim::test.name, format!("`{word}` does not compare {arms}"), advice("tests that do are"))
     } else if claim.summary == Summary::Iqm && !bootstrap {
         let message = format!("`{word}` does not take the interquartile mean");
         ("summary", message, "remove `summary`, or write `test = \"stratified_bootstrap\"`".to_owned())
@@ -62,27 +66,27 @@ pub fn suits(claim: &Claim, test: &StatisticKind, metric: &MetricKind, sink: &mu
         let message = format!("`{word}` does not take a trend");
         let help = "write `test = \"welch\"` over runs, or `test = \"newcombe\"` for shares of one policy at \
             each point";
-        ("over", message, help.to_owned())
+        (keys::Claim::over.name, message, help.to_owned())
     } else if claim.over == Some(Over::Mean) && !takes_strata(test.method) {
         let message = format!("`{word}` does not take the mean over several arms");
-        ("over", message, "write `over = \"each\"`, or `test = \"welch\"`".to_owned())
+        (keys::Claim::over.name, message, "write `over = \"each\"`, or `test = \"welch\"`".to_owned())
     } else if metric.source.is_of_a_run() && test.unit() == Unit::Episode {
         let message =
             format!("`{word}` does not take `{measured}`: it compares episodes, which have no such value");
-        ("test", message, "write `test = \"welch\"`".to_owned())
+        (keys::Claim::test.name, message, "write `test = \"welch\"`".to_owned())
     } else if claim.baseline.is_some()
         && test.unit() == Unit::Episode
         && test.method != Method::EpisodeBootstrap
     {
         let message = format!("`{word}` does not take a baseline: it counts successes");
-        let key = if claim.fields.contains_key("baseline") { "baseline" } else { "twin" };
+        let key = claim.key_of_baseline();
         (key, message, "write `test = \"episode_bootstrap\"`, or `test = \"welch\"` over runs".to_owned())
     } else if is_changed(claim) && test.method == Method::ProbabilityOfImprovement {
         let message = format!("`{word}` takes no multiple of an arm and no distance from it");
-        ("expect.right", message, "write `a > b`, or `test = \"welch\"`".to_owned())
+        (Expectation::RIGHT, message, "write `a > b`, or `test = \"welch\"`".to_owned())
     } else if claim.expect.factor != 1.0 && metric.scale == Scale::Success && test.unit() == Unit::Episode {
         let message = format!("`{word}` does not take a multiple of an arm");
-        ("expect.right", message, "write `test = \"welch\"`".to_owned())
+        (Expectation::RIGHT, message, "write `test = \"welch\"`".to_owned())
     } else {
         return;
     };
@@ -107,7 +111,7 @@ pub fn states_an_effect(claim: &Claim, test: &StatisticKind, metric: &MetricKind
         return;
     }
     let message = format!("`{}` states no effect: arms that do not differ cannot refute it", claim.id);
-    let warning = at(claim, "expect", Diagnostic::warning("W1002", message), "by how much?");
+    let warning = at(claim, keys::Claim::expect.name, Diagnostic::warning("W1002", message), "by how much?");
     // For "less", the effect is subtracted.
     let is_less = matches!(claim.expect.relation, Relation::Less | Relation::AtMost);
     let written = claim.expect.written();
@@ -162,8 +166,12 @@ pub fn runs(
             if test.unit() == Unit::Seed && runs < refuting {
                 let message =
                     format!("no result of {runs} seeds can refute `{}`: it can pass, but not fail", claim.id);
-                let warning =
-                    at(claim, "over", Diagnostic::warning("W1001", message), "one comparison in so many");
+                let warning = at(
+                    claim,
+                    keys::Claim::over.name,
+                    Diagnostic::warning("W1001", message),
+                    "one comparison in so many",
+                );
                 sink.emit(
                     warning.help(format!(
                         "write `seeds = {refuting}` or more in `[sweep]`, or compare fewer arms"
@@ -182,7 +190,7 @@ pub fn runs(
         fewest.runs,
         if fewest.runs == 1 { "seed" } else { "seeds" }
     );
-    let error = at(claim, "test", error, &remark);
+    let error = at(claim, keys::Claim::test.name, error, &remark);
     let error = error.help(format!(
         "write `seeds = {least}` or more in `[sweep]`, or take a test of one policy's episodes"
     ));

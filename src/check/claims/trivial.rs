@@ -8,7 +8,7 @@ use crate::kinds::metric::MetricKind;
 use crate::kinds::task::{Task, Walk};
 use crate::robot::{GRAVITY, Robot, hip_height};
 use crate::spec::Section;
-use crate::spec::claim::{Case, Claim, Operand, Over, Relation};
+use crate::spec::claim::{Case, Claim, Operand, Over, Relation, keys};
 use crate::spec::typed::units;
 use crate::spec::typed::{Quantified, Typed};
 
@@ -68,7 +68,12 @@ pub fn something_can_refute_it(
     };
     let bound = in_unit(bound.unwrap_or(number.si), claim, metric);
     let message = format!("no robot can refute `{}`: `{name}` is always {side} {bound}", claim.id);
-    let warning = at(claim, "expect", Diagnostic::warning("W1001", message), "a fallen robot does this");
+    let warning = at(
+        claim,
+        keys::Claim::expect.name,
+        Diagnostic::warning("W1001", message),
+        "a fallen robot does this",
+    );
     sink.emit(warning.help("expect more: state the smallest value that the claim is about"));
 }
 

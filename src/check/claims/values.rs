@@ -5,7 +5,7 @@ use super::training::Budget;
 use super::{ArmScope, Scope, arms_in, at, name};
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::metric::{MetricKind, Source};
-use crate::spec::claim::{Case, Claim};
+use crate::spec::claim::{Case, Claim, keys};
 use crate::spec::suggest::listed;
 
 /// E0816: a stage that is its own baseline gives every run the same value.
@@ -17,7 +17,8 @@ pub fn baseline_is_another_stage(claim: &Claim, scope: &Scope, cases: &[Case], s
     }
     let value = if baseline.relative { "1" } else { "0" };
     let message = format!("the `baseline` of `{own}` is itself: the value of every run is {value}");
-    let error = at(claim, "baseline", Diagnostic::error("E0816", message), "the stage of `metric`");
+    let error =
+        at(claim, keys::Claim::baseline.name, Diagnostic::error("E0816", message), "the stage of `metric`");
     let known = arms_in(cases, scope).first().map(|arm| stages(arm.fields)).unwrap_or_default();
     let is_alike = |stage: &&String| {
         *stage != own && TRAININGS.contains(&stage.as_str()) == TRAININGS.contains(&own.as_str())
@@ -69,7 +70,9 @@ pub fn until_is_in_the_training(
                 format!("write {} or more, or remove `until`", budget.first),
             ),
         };
-        sink.emit(at(claim, "until", Diagnostic::error("E0204", message), &remark).help(help));
+        sink.emit(
+            at(claim, keys::Claim::until.name, Diagnostic::error("E0204", message), &remark).help(help),
+        );
         return;
     }
 }

@@ -114,6 +114,11 @@ impl Draft {
     }
 }
 
+/// The key that says whether factors are drawn apart or one for the robot.
+pub const PER: &str = joint_friction::JointFriction::per.name;
+/// Its word for one factor for the robot.
+pub const ONE_FOR_ALL: &str = PerJoint::Robot.word();
+
 choice! {
     /// Whether factors are drawn per joint or per robot.
     pub enum PerJoint {

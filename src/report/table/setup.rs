@@ -4,12 +4,13 @@ use super::{Cell, Table};
 use crate::escape::markdown::code;
 use crate::kinds::fine_tune;
 use crate::kinds::learn::ppo::in_whole_updates;
-use crate::kinds::randomize::Rows;
+use crate::kinds::randomize::{PER, Rows};
 use crate::kinds::task::Task;
 use crate::report::fields;
 use crate::report::model::{Arm, ReportInput};
 use crate::report::wording::{count, labels, number, value};
 use crate::robot::Support;
+use crate::spec::value::KIND;
 use crate::spec::{Section, Table as Fields, Value};
 
 /// A row: its label, and its value for an arm.
@@ -141,7 +142,7 @@ pub fn randomized(arm: &Arm) -> Vec<(&str, Section<'_>)> {
 
 /// The target and distribution of a randomization: `uniform [0.6, 1.4]`, `impulse 20 N*s, duration 0.1 s`.
 pub fn drawn(row: &Section) -> String {
-    let told = row.table().iter().filter(|(key, _)| !["kind", "per"].contains(&key.as_str()));
+    let told = row.table().iter().filter(|(key, _)| ![KIND, PER].contains(&key.as_str()));
     let words =
         told.map(|(key, own)| if key == "scale" { value(own) } else { format!("{key} {}", value(own)) });
     words.collect::<Vec<_>>().join(", ")

@@ -77,11 +77,20 @@ impl Relation {
 }
 
 impl Expectation {
+    /// The key of the left side's place in the marks of a claim.
+    pub const LEFT: &str = "expect.left";
+    /// The key of the right side's place.
+    pub const RIGHT: &str = "expect.right";
+    /// The key of the offset's place.
+    pub const OFFSET: &str = "expect.offset";
+    /// The key of the tolerance's place.
+    pub const WITHIN: &str = "expect.within";
+
     /// The arms named, with the keys of their places.
     pub fn names(&self) -> Vec<(&'static str, &str)> {
-        let mut names = vec![("expect.left", self.left.as_str())];
+        let mut names = vec![(Self::LEFT, self.left.as_str())];
         if let Operand::Arm(name) = &self.right {
-            names.push(("expect.right", name));
+            names.push((Self::RIGHT, name));
         }
         names
     }
@@ -114,7 +123,7 @@ impl Expectation {
 pub struct Parsed {
     /// The expectation.
     pub expectation: Expectation,
-    /// `expect.left`, `expect.right`, `expect.offset`, `expect.within`.
+    /// By their keys in the marks of a claim.
     pub places: Vec<(&'static str, Range<usize>)>,
 }
 
@@ -174,13 +183,13 @@ pub fn parse(text: &str) -> Result<Parsed, Mistake> {
         return Err(Mistake::grammar(format!("`{name}` is compared with itself"), right, "the same arm"));
     }
     let within = tolerance(text, relation, within)?;
-    let mut places = vec![("expect.left", left), ("expect.right", second.place)];
+    let mut places = vec![(Expectation::LEFT, left), (Expectation::RIGHT, second.place)];
     let offset = second.offset.map(|(quantity, range)| {
-        places.push(("expect.offset", range));
+        places.push((Expectation::OFFSET, range));
         quantity
     });
     let tolerance = within.map(|(quantity, range)| {
-        places.push(("expect.within", range));
+        places.push((Expectation::WITHIN, range));
         quantity
     });
     let expectation = Expectation {

@@ -6,7 +6,7 @@ use super::sweep::RESERVED;
 use super::{ClaimPolicy, wrong_type};
 use crate::diag::{Diagnostic, Sink};
 use crate::spec::family::Member;
-use crate::spec::section::HEADER;
+use crate::spec::section::Header;
 use crate::spec::suggest::{listed, nearest};
 use crate::spec::{LoadOptions, Vocabulary};
 use crate::syntax::{Entry, Item, Layer, Map, Node};
@@ -122,8 +122,7 @@ fn only_seeds(profile: &str, entry: Entry, sink: &mut Sink) -> Option<Node> {
 
 /// Reports keys unknown to suites and specs, and drops them so that arms do not report them again.
 fn unknown_keys(body: &mut Map, vocabulary: &Vocabulary, sink: &mut Sink) {
-    let spec_only = ["name", "abstract", "requires"];
-    let header = HEADER.iter().copied().filter(|key| !spec_only.contains(key));
+    let header = Header::names().filter(|key| !Header::OF_SPECS.contains(key));
     let sections = vocabulary.sections.iter().map(|section| section.name);
     let names: Vec<&str> = sections.chain(header).chain(OWN.iter().copied()).chain(["suite"]).collect();
     body.entries.retain(|key, entry| {
@@ -135,8 +134,10 @@ fn unknown_keys(body: &mut Map, vocabulary: &Vocabulary, sink: &mut Sink) {
         }
         let error = Diagnostic::error("E0102", format!("unknown key `{key}` in a suite")).at(entry.key, "");
         sink.emit(match nearest(key, names.iter().copied()) {
-            _ if key == "name" => error.help("it belongs to a spec; a suite has its name in `suite`"),
-            _ if spec_only.contains(&key.as_str()) => error.help("it belongs to a parent of specs"),
+            _ if key == Header::name.name => {
+                error.help("it belongs to a spec; a suite has its name in `suite`")
+            }
+            _ if Header::OF_SPECS.contains(&key.as_str()) => error.help("it belongs to a parent of specs"),
             _ if RESERVED.contains(&key.as_str()) => {
                 error.help(format!("write it in `[sweep]`: `sweep.{key}`"))
             }

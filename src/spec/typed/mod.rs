@@ -14,7 +14,8 @@ use std::marker::PhantomData;
 
 pub(crate) use macros::{choice, either, key_attribute, keys, kind, reference, section, terms};
 pub use types::{
-    HasKinds, Named, Quantified, Ratio, RawKind, RawTerms, Reference, Sampled, SectionKinds, Unit, units,
+    HasKinds, Named, Plain, Quantified, Ratio, RawKind, RawTerms, Reference, Sampled, SectionKinds, Unit,
+    units,
 };
 
 use super::{Kind, Param, Presence, Section, Table, Ty, Value, decode};
@@ -156,6 +157,11 @@ impl<'a> Section<'a> {
             _ => None,
         }
     }
+}
+
+/// The section of a declaration, to be changed, in the values of a whole spec.
+pub fn section_mut<Owner: InSection>(fields: &mut Table) -> Option<&mut Table> {
+    fields.get_mut(Owner::SECTION)?.as_table_mut()
 }
 
 /// Reads one key of a table. Only the macros call this. A missing key, as in the recipe of a stage or in a

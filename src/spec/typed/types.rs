@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::marker::PhantomData;
 
 use super::super::value::number;
-use super::super::{Kinds, Presence, Sampler, Share, Table, Ty, Value};
+use super::super::{Kinds, Presence, Quantity, Sampler, Share, Table, Ty, Value};
 use super::{InSection, Part, Typed};
 use crate::quantity::{Dimension, Measure};
 
@@ -40,6 +40,8 @@ pub trait Reference {
     const MEASURE: Option<Measure> = None;
 }
 
+/// A number without a unit; in Rust with its original text.
+pub struct Plain;
 /// A number with a unit of this dimension; in Rust in SI units.
 pub struct Quantified<U>(PhantomData<U>);
 /// A share of a reference; in Rust 1.0 is 100 %.
@@ -59,6 +61,10 @@ typed!(u64 => u64, Ty::Count, |value| match value {
 });
 typed!(usize => usize, Ty::Count, |value| u64::read(value).and_then(|count| usize::try_from(count).ok()));
 typed!(f64 => f64, Ty::Number, number);
+typed!(Plain => Quantity, Ty::Number, |value| match value {
+    Value::Quantity(quantity) => Some(quantity.clone()),
+    _ => None,
+});
 typed!(String => String, Ty::Text, |value| match value {
     Value::Text(text) => Some(text.clone()),
     _ => None,

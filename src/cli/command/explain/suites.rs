@@ -4,7 +4,8 @@ use serde_json::json;
 
 use super::Page;
 use crate::spec::Param;
-use crate::spec::claim::PARAMS;
+use crate::spec::claim::keys::Claim;
+use crate::spec::typed::Keys;
 
 /// The words explained here.
 pub const WORDS: [&str; 3] = ["claim", "suite", "sweep"];
@@ -60,7 +61,7 @@ fn claim() -> String {
         "# claim\n\nWhat a suite is expected to show, one `[[claim]]` each. It is checked before anything \
          runs, and judged by its test \
          afterwards: PASS, FAIL or NOT ESTABLISHED.\n\n{}",
-        PARAMS.iter().map(line).collect::<String>()
+        Claim::PARAMS.iter().map(line).collect::<String>()
     )
 }
 
@@ -72,7 +73,7 @@ mod tests {
     fn every_word_has_a_page_and_every_key_of_a_claim_is_on_it() {
         assert!(WORDS.iter().all(|word| page(word).is_some()) && page("clam").is_none());
         let text = claim();
-        assert!(PARAMS.iter().all(|param| text.contains(&format!("  {} ", param.name))), "{text}");
+        assert!(Claim::PARAMS.iter().all(|param| text.contains(&format!("  {} ", param.name))), "{text}");
     }
 
     #[test]
