@@ -476,7 +476,7 @@ fn a_parent_outside_of_the_project_is_not_read_without_permission_and_never_quot
 fn a_file_whose_name_has_backquotes_ends_no_code_in_a_page_or_a_message() {
     let name = "specs/a`**b** [c](d.md)`e.toml";
     let mut input = synthetic::input();
-    input.specs = vec![name.into()];
+    input.request.files = vec![name.into()];
     input.arms.iter_mut().for_each(|arm| arm.spec = name.into());
     let files = render(&input, &Templates::default(), &mut Sources::default()).expect("it renders");
     let page = &files[0].text;

@@ -7,6 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use specforge::report::claim::{Judged, Ruling};
+use specforge::report::request::Request;
 use specforge::report::sidecar::{Facts, RULES, Sidecar};
 use specforge::report::{ReportFile, digests};
 
@@ -95,7 +96,7 @@ fn every_claim_of_every_suite_stands_on_the_page_with_its_verdict_or_as_not_run(
     let report = Sidecar {
         report: "paper_exp1".into(),
         summary: "A made-up record".into(),
-        command: "specforge run specs/paper/paper_exp1.toml --profile desk".into(),
+        request: Request::for_spec("specs/paper/paper_exp1.toml", Some("desk")),
         facts: Facts { seeds: vec![1, 2, 3], scale: "5 %".into(), ..Facts::default() },
         claims: vec![judged],
         rules: RULES,
@@ -145,7 +146,8 @@ fn row_of(reports: &Path, report: &str) -> String {
 /// The same record of the stages that its command would make today.
 fn today(mut record: Sidecar, folder: &Path) -> Sidecar {
     let path = folder.join("plan").with_extension("txt");
-    let words: Vec<&str> = record.command.split(' ').skip(2).collect();
+    let asked = record.command();
+    let words: Vec<&str> = asked.split(' ').skip(2).collect();
     let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
     command.current_dir(root()).arg("plan").args(words).arg("--save").arg(&path).assert().success();
     let text = fs::read_to_string(&path).expect("the plan was written");
@@ -187,16 +189,16 @@ fn a_report_whose_command_would_make_other_stages_today_is_marked() {
     assert_eq!(differing(&row), 1, "{row}");
 
     let mut more = record.clone();
-    more.command += " --set learn.samples=1000000000";
+    more.request.set.push("learn.samples=1000000000".into());
     let row = written(&more);
     assert!(row.contains("learner, evaluate, export, transfer) |"), "{row}");
 
     let mut moved = record.clone();
-    moved.command = "specforge run specs/studies/gone.toml".into();
+    moved.request = Request::for_spec("specs/studies/gone.toml", None);
     assert!(written(&moved).ends_with("| their specs are not here |"));
 
     let mut foreign = record;
-    foreign.command = "make everything".into();
+    foreign.request = Request::default();
     assert!(written(&foreign).ends_with("| \u{2013} |"));
 }
 
@@ -229,7 +231,7 @@ fn a_report_whose_command_fails_today_is_named_with_the_mistake() {
     let folder = tempfile::tempdir().expect("a folder");
     let record = Sidecar {
         report: "mine".into(),
-        command: "specforge run specs/studies/squatting.toml --profile nowhere".into(),
+        request: Request::for_spec("specs/studies/squatting.toml", Some("nowhere")),
         ..Sidecar::default()
     };
     made_up(folder.path(), &record);

@@ -8,11 +8,12 @@ use std::process::Output;
 use specforge::plan::StageKind;
 use specforge::report::claim::{Judged, Ruling, again, expectation, measured};
 use specforge::report::model::StageRecord;
+use specforge::report::request::Request;
 use specforge::report::sidecar::{ArmRecord, Facts, Item, RULES, Sidecar};
 use specforge::report::{ReportFile, digests, listing};
 use specforge::seal::{self, REMOVED};
 use specforge::spec::{Claim, Value};
-use specforge::study::{Log, Study, out_of_date, standing};
+use specforge::study::{Log, Study, out_of_date};
 use tempfile::TempDir;
 
 /// The suite that an index is asked for.
@@ -41,11 +42,11 @@ fn record(name: &str) -> Sidecar {
         file: format!("{name}/speed.svg"),
         ..Item::default()
     };
-    let command = format!("specforge run specs/{name}.toml --profile desk");
+    let request = Request::for_spec(&format!("specs/{name}.toml"), Some("desk"));
     let mut record = Sidecar::read(&path).expect("the record");
     record.claims.retain(|claim| CLAIMS.contains(&claim.id.as_str()));
     let claims = again(&record.claims).expect("it has all values");
-    Sidecar { report: name.into(), command, items: vec![figure], claims, ..record }
+    Sidecar { report: name.into(), request, items: vec![figure], claims, ..record }
 }
 
 /// Publishes a page with a figure and its sealed record.
@@ -146,7 +147,7 @@ fn every_edit_of_a_record_is_found() {
         ("a corrected p value", adjusted.as_str(), "\"p_adjusted\": 0.0001,"),
         ("the value of a run", value.as_str(), "0.123456,"),
         ("the rules", &format!("\"rules\": {RULES}"), "\"rules\": 1"),
-        ("the command", "--profile desk", "--profile paper"),
+        ("the profile", "\"profile\": \"desk\"", "\"profile\": \"paper\""),
         ("the digest of the page", "\"walk.md\": \"", "\"walk.txt\": \""),
     ] {
         let folder = published();
@@ -353,10 +354,9 @@ fn an_index_that_was_edited_or_is_older_than_a_record_is_found_and_written_again
 }
 
 /// The record of a page that its command would render today, in which all runs have their results.
-fn current(command: &str) -> Sidecar {
-    let record = Sidecar { command: command.to_owned(), ..Sidecar::default() };
-    let recorded = standing::recorded(&record).expect("a command of this program");
-    let study = Study::read(&recorded.files, &recorded.options, &mut Log::default()).expect("a valid suite");
+fn current(request: Request) -> Sidecar {
+    let (files, options) = (request.paths(), request.options());
+    let study = Study::read(&files, &options, &mut Log::default()).expect("a valid suite");
     let suite = study.plan.suite.clone().expect("a suite");
     let judged = |claim: &Claim| Judged {
         id: claim.id.clone(),
@@ -383,13 +383,13 @@ fn current(command: &str) -> Sidecar {
         other => panic!("the summary is not a text: {other:?}"),
     };
     let claims = suite.claims.iter().map(judged).collect();
-    Sidecar { summary, facts, claims, arms: arms.collect(), ..record }
+    Sidecar { request, summary, facts, claims, arms: arms.collect(), ..Sidecar::default() }
 }
 
 #[test]
 fn a_page_whose_claims_changed_in_its_suite_is_out_of_date() {
     let folder = tempfile::tempdir().expect("a folder");
-    let record = current(&format!("specforge run {SUITE}"));
+    let record = current(Request::for_spec(SUITE, None));
     let found = |record: &Sidecar| out_of_date::find(record, Path::new("reports/studies"));
     assert_eq!(found(&record), None);
     let mut other = record.clone();
@@ -402,7 +402,7 @@ fn a_page_whose_claims_changed_in_its_suite_is_out_of_date() {
     assert!(found(&more).expect("it is out of date").reason.contains("`gone`"));
     // The command says so, and the page is unchanged nevertheless.
     publish(folder.path(), "walk");
-    resealed(folder.path(), "walk", |walk| walk.command = other.command.clone());
+    resealed(folder.path(), "walk", |walk| walk.request = other.request.clone());
     let output = report(folder.path(), &["--check"]);
     assert!(output.status.success(), "{}", told(&output));
     let text = told(&output);
@@ -419,7 +419,7 @@ fn a_page_is_out_of_date_after_any_change_of_its_suite_or_its_parents_and_withou
     };
     command(&["new", "walk.toml", "--standalone", "--task", "walk", "--robot", "tocabi"]);
     command(&["new", "s.toml", "--suite", "walk.toml"]);
-    let record = current(&format!("specforge run {} --profile quick", file("s.toml").display()));
+    let record = current(Request::for_spec(&file("s.toml").display().to_string(), Some("quick")));
     let found = || out_of_date::find(&record, &file("reports"));
     assert_eq!(found(), None);
     let changes = |name: &str, from: &str, to: &str, reason: &str| {
@@ -469,7 +469,7 @@ fn the_advice_names_the_options_of_the_run_and_the_folder_of_the_page() {
     resealed(&below, "run", |run| run.report = "other".into());
     advises("a record of another page", &again("run"));
     // The options in an edited record are not repeated as advice.
-    edited(&below.join("run.json"), "--profile desk", "--profile quick");
+    edited(&below.join("run.json"), "\"profile\": \"desk\"", "\"profile\": \"quick\"");
     advises("an edited record", "`specforge report SPEC` with the `--profile` and `--set` of its run");
 }
 
@@ -497,7 +497,7 @@ fn figures_that_no_record_lists_and_copies_of_reports_are_found() {
     let (one, other) = (same("studies/walk"), same("paper/walk"));
     finds(folder.path(), "a copy", &[("paper/walk.json", &one), ("studies/walk.json", &other)]);
     // Of a report whose spec says where it belongs the copy is the other one.
-    let at_home = |record: &mut Sidecar| record.specs = vec!["specs/studies/walk.toml".into()];
+    let at_home = |record: &mut Sidecar| record.request.specs = vec!["specs/studies/walk.toml".into()];
     [folder.path().join("studies"), copy.clone()].iter().for_each(|folder| resealed(folder, "walk", at_home));
     finds(folder.path(), "a copy", &[("paper/walk.json", &one)]);
     ["walk.md", "walk.json", "walk/speed.svg"]

@@ -288,7 +288,7 @@ fn missing_includes_and_wrong_encodings_are_found_before_anything_runs() {
     assert_eq!(codes("{% include 'deep.md.j2' %}"), ["E0901"], "in a template that is included");
     assert_eq!(codes("{% include 'latin.md.j2' %}"), ["E0906"]);
     assert_eq!(
-        codes("{% include 'none.md.j2' ignore missing %}{% include ['none.md.j2', 'run.md.j2'] %}"),
+        codes("{% include 'none.md.j2' ignore missing %}{% include ['none.md.j2', 'report.md.j2'] %}"),
         [""; 0]
     );
     assert_eq!(preflight(b"caf\xe9")[0].0, "E0906");

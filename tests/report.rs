@@ -280,7 +280,10 @@ fn a_template_that_takes_all_memory_is_left_to_itself() {
 
 #[test]
 fn the_templates_that_come_along_pass_the_check_before_any_run() {
-    assert_eq!(specforge::report::check("run.md.j2", &Templates::default(), &mut Sources::default()), vec![]);
+    assert_eq!(
+        specforge::report::check("report.md.j2", &Templates::default(), &mut Sources::default()),
+        vec![]
+    );
 }
 
 #[test]
@@ -518,12 +521,13 @@ fn exported_policies_are_copied_beside_the_page_that_links_them_and_tracked() {
 
 #[test]
 fn a_page_and_its_record_repeat_the_permission_for_folders_outside_of_the_project() {
-    let input = ReportInput { outside: vec!["../shared".into()], ..synthetic::input() };
+    let mut input = synthetic::input();
+    input.request.allow_outside = vec!["../shared".into()];
     let files = render(&input, &Templates::default(), &mut Sources::default()).expect("no mistake");
     let [page, record] = [&files[0].text, &files[1].text];
     assert!(page.contains("--allow-outside ../shared"), "{page}");
     let record: Sidecar = serde_json::from_str(record).expect("a record");
-    assert!(record.command.ends_with(" --allow-outside ../shared"), "{}", record.command);
+    assert!(record.command().ends_with(" --allow-outside ../shared"), "{}", record.command());
 }
 
 #[test]

@@ -85,7 +85,7 @@ fn plan_of(stds: &[(&str, f64)]) -> Plan {
     // As the program makes them: the record and the fields hold the same claims.
     let claim = claims().into_iter().map(|claim| Value::Table(claim.fields)).collect();
     let record = SuiteRecord { name, axes, arms: arms.len(), seeds, claims: claims(), claims_count: true };
-    let report = Table::from([("template".to_owned(), arms::word("comparison.md.j2"))]);
+    let report = Table::from([("template".to_owned(), arms::word("report.md.j2"))]);
     let fields = Table::from([
         ("name".to_owned(), arms::word("exploration")),
         ("summary".to_owned(), arms::word("Which exploration learns")),
@@ -282,7 +282,7 @@ fn stages_are_found_by_arm_by_run_and_by_id() {
 #[test]
 fn the_template_of_suites_passes_the_check_before_any_run() {
     let sources = &mut specforge::diag::Sources::default();
-    assert_eq!(specforge::report::check("comparison.md.j2", &Templates::default(), sources), vec![]);
+    assert_eq!(specforge::report::check("report.md.j2", &Templates::default(), sources), vec![]);
 }
 
 #[test]

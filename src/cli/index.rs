@@ -93,7 +93,7 @@ fn standing(report: &Sidecar, global: &Global) -> Result<Option<Standing>, Exit>
     let quieter = Global { errors_only: true, ..global.clone() };
     specs::told(|log| standing::of(report, log), &quieter).inspect_err(|_| {
         let advice = "mend the specs, or delete the record and its page";
-        let message = format!("the report {} was made by `{}`, which fails", report.report, report.command);
+        let message = format!("the report {} was made by `{}`, which fails", report.report, report.command());
         output::complain(global, &message, Some(advice));
     })
 }
@@ -124,9 +124,7 @@ fn listed(file: &Path, global: &Global) -> Result<Listed, Exit> {
 /// The path of a suite's page: its own, or that of an older report of the same suite that was written
 /// directly into the folder.
 fn page_of(suite: &Listed, reports: &BTreeMap<String, Sidecar>) -> String {
-    let is_of_suite = |report: &Sidecar| {
-        standing::recorded(report).is_some_and(|recorded| recorded.files == [PathBuf::from(&suite.file)])
-    };
+    let is_of_suite = |report: &Sidecar| report.request.files == [suite.file.as_str()];
     match reports.get(&suite.name) {
         Some(report) if !reports.contains_key(&suite.page) && is_of_suite(report) => suite.name.clone(),
         _ => suite.page.clone(),

@@ -7,6 +7,7 @@ use serde::de::DeserializeOwned;
 
 use super::model::{Arm, Failure, Measured, Policy, ReportInput, StageRecord, Update};
 use super::paths::Paths;
+use super::request::Request;
 use super::{baseline, crossing};
 use crate::bounded;
 use crate::deploy::policy;
@@ -34,19 +35,17 @@ pub fn gather(job: &Job, law: Law) -> Result<ReportInput, WorkError> {
             arm.baseline.and_then(|place| baseline::budget_share(&baselines[place], &arm.fields));
     }
     let text = |path: &[&str]| text_at(job.fields, path).unwrap_or_default();
-    let request = job.plan.arms.first().map(|record| record.request.clone()).unwrap_or_default();
     let name = job.stage.users.first().map_or_else(|| text(&["name"]), |user| user.arm.clone());
     let named = named(job.plan);
     Ok(ReportInput {
         name,
         // A combination of specs on the command line has no summary of its own.
         summary: if named > 1 { each(&arms) } else { text(&["summary"]) },
-        specs: arms.iter().take(named).map(|arm| arm.spec.clone()).collect(),
-        places: job.plan.arms.iter().take(named).map(|arm| arm.request.place.clone()).collect(),
-        profile: request.profile,
-        assignments: request.assignments,
-        outside: request.outside,
-        template: Section::new(job.fields).at(Report::template).unwrap_or_else(|| "run.md.j2".to_string()),
+        request: Request {
+            files: arms.iter().take(named).map(|arm| arm.spec.clone()).collect(),
+            ..request(job.plan)
+        },
+        template: Section::new(job.fields).part::<Report>().map(|report| report.template).unwrap_or_default(),
         tool_version: env!("CARGO_PKG_VERSION").to_string(),
         commit: env!("SPECFORGE_COMMIT").to_string(),
         arms,
@@ -57,6 +56,19 @@ pub fn gather(job: &Job, law: Law) -> Result<ReportInput, WorkError> {
         reasons: texts_at(job.fields, Report::reasons),
         baselines,
     })
+}
+
+/// What the command of a plan asks for. All its arms have the same options.
+pub fn request(plan: &Plan) -> Request {
+    let named = || plan.arms.iter().take(named(plan)).map(|arm| &arm.request);
+    let options = plan.arms.first().map(|arm| arm.request.clone()).unwrap_or_default();
+    Request {
+        files: named().map(|request| request.spec.clone()).collect(),
+        specs: named().map(|request| request.place.clone()).filter(|place| !place.is_empty()).collect(),
+        profile: options.profile,
+        set: options.assignments,
+        allow_outside: options.outside,
+    }
 }
 
 /// How many files the command names: only the suite, or only the first arm if it lists its comparisons, else

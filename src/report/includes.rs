@@ -17,7 +17,7 @@ pub struct Named {
 /// The names in a tag, at least one of which must exist. Computed names are unknown here.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Reference {
-    /// The alternatives: `{% include ["own.md.j2", "run.md.j2"] %}` has two.
+    /// The alternatives: `{% include ["own.md.j2", "report.md.j2"] %}` has two.
     pub names: Vec<Named>,
     /// Whether all of them may be missing: `ignore missing`.
     pub optional: bool,

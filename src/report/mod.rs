@@ -38,6 +38,7 @@ pub mod publish;
 pub mod question;
 pub mod render;
 pub mod render_command;
+pub mod request;
 pub mod returns;
 pub mod runs;
 pub mod sidecar;

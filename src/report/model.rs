@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::request::Request;
 use crate::kinds::action::Position;
 use crate::kinds::motion::Motion;
 use crate::kinds::task::{self, Meaning, Task};
@@ -23,18 +24,9 @@ pub struct ReportInput {
     pub name: String,
     /// The spec's one-line summary.
     pub summary: String,
-    /// The files as the user named them, for the command that regenerates the report.
-    pub specs: Vec<String>,
-    /// Their paths relative to the project.
-    #[serde(default)]
-    pub places: Vec<String>,
-    /// The profile, when one was chosen.
-    pub profile: Option<String>,
-    /// Assignments given with `--set`, as written.
-    pub assignments: Vec<String>,
-    /// Folders outside the project that specs may refer to, given with `--allow-outside`.
-    pub outside: Vec<String>,
-    /// Name of the template, for example `run.md.j2`.
+    /// The files and options of the command that regenerates the report.
+    pub request: Request,
+    /// Name of the template, for example `report.md.j2`.
     pub template: String,
     /// Version of specforge that renders the report.
     pub tool_version: String,

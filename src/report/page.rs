@@ -14,7 +14,7 @@ use super::question::question;
 use super::suite::{self, page::SuitePage};
 use super::table::{Table, endings, evaluation, health, learning, setup};
 use super::warning::warnings;
-use super::wording::{command, commit, labels};
+use super::wording::{commit, labels};
 use super::{glance, provenance};
 
 /// The variables of a template.
@@ -32,9 +32,10 @@ pub struct Page {
     pub answer: String,
     /// Why the result may differ from the paper's, in the spec's sentences.
     pub reasons: Vec<String>,
-    /// The result in one paragraph per arm.
+    /// What each policy does, in one paragraph per arm; not of a suite.
     pub result: Vec<String>,
-    /// Warnings for the reader.
+    /// What a reader must know before relying on it: of a suite the runs and the arms with the best and the
+    /// worst survival, and then warnings.
     pub warnings: Vec<String>,
     /// Deviations from the baseline, and those that the spec declares.
     pub deviations: Vec<String>,
@@ -96,37 +97,58 @@ pub struct ArmPage {
     pub law: String,
 }
 
-/// The tables.
+/// The tables; those without data have no rows.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tables {
     /// The answer in numbers: one row per policy and engine, or one per claim of a suite.
     pub at_a_glance: Table,
-    /// The setup.
+    /// The setup; of a suite what all arms have in common.
     pub setup: Table,
-    /// Differences between the arms.
-    pub differences: Table,
+    /// Differences between the arms, each table with a note that introduces it.
+    pub differences: Vec<Table>,
     /// Learning in numbers.
     pub learning: Table,
-    /// The same for the fine-tuning; no rows if no arm has one.
+    /// The same for the fine-tuning.
     pub fine_tuning: Table,
     /// Findings of the run-time checks during training.
     pub health: Table,
     /// Why training episodes ended.
     pub endings: Table,
-    /// Metrics of every arm in every engine.
-    pub evaluation: Table,
-    /// Whether the criteria of the task are met.
+    /// Whether the criteria of the task are met; not of a suite.
     pub criteria: Table,
-    /// The first arm compared with each of the others.
-    pub comparisons: Vec<Table>,
-    /// Reward per second by term.
-    pub reward: Table,
+    /// All metrics. Of single specs in every engine, then the first arm compared with each of the others, and
+    /// the reward per second by term. Of a suite one table for each evaluation, with one row per arm, then
+    /// the interquartile means.
+    pub evaluations: Vec<Table>,
+    /// Evaluations of a suite over parameter sets: survival, arms compared on the same sets, and why sets
+    /// fail.
+    pub failures: Vec<Table>,
     /// Wall and CPU time.
     pub cost: Table,
-    /// The stages.
-    pub stages: Table,
-    /// Figures and tables with the stages they are made from.
+    /// Figures and tables with the stages they are made from; not of a suite.
     pub provenance: Table,
+    /// The stages; not of a suite.
+    pub stages: Table,
+}
+
+impl Tables {
+    /// All of them in the order of the page.
+    pub fn all(&self) -> Vec<&Table> {
+        let mut tables = vec![&self.at_a_glance, &self.criteria, &self.setup];
+        tables.extend(&self.differences);
+        tables.extend(self.measured());
+        tables.extend([&self.cost, &self.provenance, &self.stages]);
+        tables
+    }
+
+    /// Those of training and evaluation that have rows.
+    fn measured(&self) -> Vec<&Table> {
+        let mut tables = vec![&self.learning, &self.health, &self.endings, &self.fine_tuning];
+        tables.extend(&self.evaluations);
+        tables.extend(&self.failures);
+        tables.retain(|table| !table.rows.is_empty());
+        tables
+    }
 }
 
 /// A figure as a template sees it.
@@ -173,7 +195,9 @@ impl Page {
         // A suite has too many runs for a column each; they are described in `suite`.
         let of_suite = input.suite.is_some();
         let judged = suite::judged(input);
-        let result = if of_suite { suite::page::paragraphs(input) } else { headline::paragraphs(input) };
+        let result = if of_suite { Vec::new() } else { headline::paragraphs(input) };
+        let warnings = if of_suite { suite::warning::warnings(input) } else { warnings(input) };
+        let first = if of_suite { suite::page::paragraphs(input) } else { Vec::new() };
         let answer = match (of_suite, judged.is_empty()) {
             (false, _) => answer::of_arms(input),
             (true, false) => answer::of_claims(&judged),
@@ -186,15 +210,14 @@ impl Page {
             question: question(input),
             answer,
             reasons: input.reasons.clone(),
-            result: claim::meaningless(&judged).into_iter().chain(result).collect(),
-            warnings: if of_suite { suite::warning::warnings(input) } else { warnings(input) },
+            result,
+            warnings: claim::meaningless(&judged).into_iter().chain(first).chain(warnings).collect(),
             deviations: deviations::sentences(input),
             baselines: deviations::baselines(input),
             health: health::sentences(input),
             arms: if of_suite { Vec::new() } else { arms(input) },
             tables: if of_suite {
-                let at_a_glance = glance::of_claims(&judged);
-                Tables { at_a_glance, cost: provenance::sum(input), ..Tables::default() }
+                Tables { at_a_glance: glance::of_claims(&judged), ..suite::page::tables(input) }
             } else {
                 tables(input, figures)
             },
@@ -209,45 +232,16 @@ impl Page {
             claim_sentences: claim::sentences(&judged),
             claim_correction: claim::correction(&judged),
             judged,
-            run_command: command(input, "run"),
-            report_command: command(input, "report"),
+            run_command: input.request.command("run"),
+            report_command: input.request.command("report"),
             tool_version: input.tool_version.clone(),
             commit: commit(&input.commit),
         }
     }
 
-    /// All tables in the order of the report.
+    /// All tables in the order of the page.
     pub fn all_tables(&self) -> Vec<&Table> {
-        let Tables {
-            at_a_glance,
-            setup,
-            differences,
-            learning,
-            fine_tuning,
-            health,
-            endings,
-            evaluation,
-            criteria,
-            comparisons,
-            reward,
-            cost,
-            stages,
-            provenance,
-        } = &self.tables;
-        let mut tables = vec![
-            at_a_glance,
-            setup,
-            differences,
-            learning,
-            fine_tuning,
-            health,
-            endings,
-            evaluation,
-            criteria,
-        ];
-        tables.extend(comparisons);
-        tables.extend([reward, cost, stages, provenance]);
-        tables.extend(self.suite.tables());
+        let mut tables = self.tables.all();
         tables.push(&self.claims);
         tables
     }
@@ -255,8 +249,8 @@ impl Page {
 
 /// The profile and what `--set` changed: `quick, with --set learn.seed=2`.
 fn profile(input: &ReportInput) -> String {
-    let profile = input.profile.as_deref().unwrap_or_default();
-    let sets: Vec<String> = input.assignments.iter().map(|set| format!("--set {set}")).collect();
+    let profile = input.request.profile.as_deref().unwrap_or_default();
+    let sets: Vec<String> = input.request.set.iter().map(|set| format!("--set {set}")).collect();
     match (profile, sets.is_empty()) {
         (_, true) => profile.to_owned(),
         ("", false) => format!("none, with {}", sets.join(" ")),
@@ -275,33 +269,35 @@ fn arms(input: &ReportInput) -> Vec<ArmPage> {
     input.arms.iter().zip(labels(&input.arms)).map(page).collect()
 }
 
+/// The tables of single specs.
 fn tables(input: &ReportInput, figures: &[Figure]) -> Tables {
+    let mut evaluations = vec![evaluation::evaluation(input)];
+    evaluations.extend(evaluation::comparisons(input));
+    evaluations.push(evaluation::reward(input));
     let mut tables = Tables {
         at_a_glance: glance::of_arms(input),
         setup: setup::setup(input),
-        differences: setup::differences(input),
+        differences: with_rows(vec![setup::differences(input)]),
         learning: learning::learning(input),
         fine_tuning: learning::fine_tuning(input),
         health: health::health(input),
         endings: endings::endings(input),
-        evaluation: evaluation::evaluation(input),
         criteria: evaluation::criteria(input),
-        comparisons: evaluation::comparisons(input),
-        reward: evaluation::reward(input),
+        evaluations: with_rows(evaluations),
+        failures: Vec::new(),
         cost: provenance::cost(input),
-        stages: provenance::stages(input),
         provenance: Table::default(),
+        stages: provenance::stages(input),
     };
-    let mut measured = vec![&tables.learning];
-    measured.extend(
-        [&tables.fine_tuning, &tables.health, &tables.endings]
-            .into_iter()
-            .filter(|table| !table.rows.is_empty()),
-    );
-    measured.extend([&tables.evaluation, &tables.criteria]);
-    measured.extend(&tables.comparisons);
-    measured.push(&tables.reward);
+    let mut measured = tables.measured();
+    measured.push(&tables.criteria);
     tables.provenance = provenance::items(input, figures, &measured);
+    tables
+}
+
+/// The tables that have rows.
+pub fn with_rows(mut tables: Vec<Table>) -> Vec<Table> {
+    tables.retain(|table| !table.rows.is_empty());
     tables
 }
 
@@ -318,21 +314,23 @@ fn figure_set(input: &ReportInput, figures: &[Figure]) -> Figures {
         caption: figure.caption.clone(),
     };
     let named = |id: &str| figures.iter().find(|figure| figure.id == id).map(page);
+    let of_suite = input.suite.is_some();
+    let of_specs = |id: &str| named(id).filter(|_| !of_suite);
     Figures {
         learning_curves: named(figure::learning_curves::ID),
         fine_tuning_curves: named(figure::learning_curves::TUNING_ID),
-        endings: named(figure::endings::ID),
-        speed: named(figure::speed::ID),
+        endings: of_specs(figure::endings::ID),
+        speed: of_specs(figure::speed::ID),
         time_lapses: figures
             .iter()
-            .filter(|figure| figure.id.starts_with(figure::time_lapse::ID))
+            .filter(|figure| !of_suite && figure.id.starts_with(figure::time_lapse::ID))
             .map(page)
             .collect(),
-        torques: named(figure::torques::ID),
-        contact_forces: named(figure::contact_forces::ID),
+        torques: of_specs(figure::torques::ID),
+        contact_forces: of_specs(figure::contact_forces::ID),
         survival_grid: named(figure::suite::grid::ID),
         claims: named(figure::suite::claims::ID),
-        outcomes: if input.suite.is_some() {
+        outcomes: if of_suite {
             let elsewhere = [figure::learning_curves::ID, figure::suite::claims::ID];
             figures.iter().filter(|figure| !elsewhere.contains(&figure.id.as_str())).map(page).collect()
         } else {

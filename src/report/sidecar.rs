@@ -13,6 +13,7 @@ use super::figure::Figure;
 use super::model::{Arm, ReportInput, StageRecord};
 use super::page::{Page, figure_file};
 use super::policies;
+use super::request::Request;
 use super::runs::{self, RunRecord};
 use super::source::Source;
 use super::table::setup::budget_samples;
@@ -48,11 +49,8 @@ pub struct Sidecar {
     pub tool_version: String,
     /// Its commit.
     pub commit: String,
-    /// The command that reproduces it.
-    pub command: String,
-    /// The paths in the project of the command's files.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub specs: Vec<String>,
+    /// What its command asks for.
+    pub request: Request,
     /// Figures, tables and copies of policies.
     pub items: Vec<Item>,
     /// The version of the rules that the claims were judged by.
@@ -283,8 +281,7 @@ impl Sidecar {
             facts: Facts::of(input),
             tool_version: input.tool_version.clone(),
             commit: input.commit.clone(),
-            command: wording::command(input, "run"),
-            specs: input.places.iter().filter(|place| !place.is_empty()).cloned().collect(),
+            request: input.request.clone(),
             items: pictures.chain(tables).chain(policies).collect(),
             rules: RULES,
             runs: runs::records(input),
@@ -294,6 +291,11 @@ impl Sidecar {
             digests: Digests::new(),
             seal: String::new(),
         }
+    }
+
+    /// The command that reproduces it.
+    pub fn command(&self) -> String {
+        self.request.command("run")
     }
 
     /// Whether its claims were judged by another version of the rules, so that this one may judge otherwise.
@@ -331,7 +333,7 @@ impl Sidecar {
             "report": self.report,
             "figure": id,
             "specforge": self.tool_version,
-            "command": self.command,
+            "command": self.command(),
             "runs": runs.collect::<Vec<_>>(),
         })
         .to_string()
@@ -355,7 +357,7 @@ impl Sidecar {
 impl Facts {
     fn of(input: &ReportInput) -> Self {
         Self {
-            profile: input.profile.clone().unwrap_or_default(),
+            profile: input.request.profile.clone().unwrap_or_default(),
             seeds: input.suite.as_ref().map(|suite| suite.seeds.clone()).unwrap_or_default(),
             runs: input.arms.len(),
             complete: input.arms.iter().filter(|arm| arm.failures.is_empty()).count(),

@@ -7,9 +7,8 @@ use crate::bounded::{self, ReadError};
 use crate::diag::Diagnostic;
 
 /// The embedded templates.
-static EMBEDDED: [(&str, &str); 3] = [
-    ("comparison.md.j2", include_str!("../../templates/comparison.md.j2")),
-    ("run.md.j2", include_str!("../../templates/run.md.j2")),
+static EMBEDDED: [(&str, &str); 2] = [
+    ("report.md.j2", include_str!("../../templates/report.md.j2")),
     ("table.md.j2", include_str!("../../templates/table.md.j2")),
 ];
 
@@ -127,11 +126,11 @@ mod tests {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let plain = Templates::default();
         let own = Templates::new(Some(folder.path().to_path_buf()));
-        assert_eq!(own.get("run.md.j2"), plain.get("run.md.j2"));
-        assert_eq!(own.digest("run.md.j2"), plain.digest("run.md.j2"));
-        std::fs::write(folder.path().join("run.md.j2"), "{{ name }}").expect("the folder can be written");
-        assert_eq!(own.get("run.md.j2").expect("readable").expect("there is one").text, "{{ name }}");
-        assert_ne!(own.digest("run.md.j2"), plain.digest("run.md.j2"));
+        assert_eq!(own.get("report.md.j2"), plain.get("report.md.j2"));
+        assert_eq!(own.digest("report.md.j2"), plain.digest("report.md.j2"));
+        std::fs::write(folder.path().join("report.md.j2"), "{{ name }}").expect("the folder can be written");
+        assert_eq!(own.get("report.md.j2").expect("readable").expect("there is one").text, "{{ name }}");
+        assert_ne!(own.digest("report.md.j2"), plain.digest("report.md.j2"));
     }
 
     #[test]
@@ -150,19 +149,19 @@ mod tests {
         std::fs::write(folder.path().join("secret"), "SECRET").expect("the folder can be written");
         std::fs::write(folder.path().join("project/shared.j2"), "{{ name }}")
             .expect("the folder can be written");
-        for (name, target) in [("run.md.j2", "../../secret"), ("own.md.j2", "../shared.j2")] {
+        for (name, target) in [("report.md.j2", "../../secret"), ("own.md.j2", "../shared.j2")] {
             std::os::unix::fs::symlink(target, templates.join(name)).expect("a link");
         }
         let templates = Templates::new(Some(templates));
-        assert_eq!(templates.get("run.md.j2"), Ok(None));
-        assert_eq!(templates.not_found("run.md.j2").code, "E0110");
+        assert_eq!(templates.get("report.md.j2"), Ok(None));
+        assert_eq!(templates.not_found("report.md.j2").code, "E0110");
         assert!(matches!(templates.get("own.md.j2"), Ok(Some(_))));
     }
 
     #[test]
     fn a_near_name_is_suggested() {
-        let diagnostic = Templates::default().not_found("runs.md.j2");
+        let diagnostic = Templates::default().not_found("reports.md.j2");
         assert_eq!(diagnostic.code, "E0901");
-        assert_eq!(diagnostic.help, ["did you mean `run.md.j2`?"]);
+        assert_eq!(diagnostic.help, ["did you mean `report.md.j2`?"]);
     }
 }

@@ -1,7 +1,7 @@
 //! Formats the names, numbers and values of a spec for a report.
 
 use super::estimate::Estimate;
-use super::model::{Arm, ReportInput};
+use super::model::Arm;
 use super::plot::axis::written;
 use crate::quantity;
 use crate::spec::{Sampler, Value};
@@ -153,28 +153,6 @@ pub fn with_interval(estimate: &Estimate, unit: bool) -> String {
     format!("{}{unit}{interval}", digits(value))
 }
 
-/// The command that reproduces the run, or that renders its report again.
-pub fn command(input: &ReportInput, verb: &str) -> String {
-    let specs: Vec<&str> = input.specs.iter().map(String::as_str).collect();
-    command_of(verb, &specs, input.profile.as_deref(), &input.assignments, &input.outside)
-}
-
-/// The command for these specs, profile, assignments and folders outside the project.
-pub fn command_of(
-    verb: &str,
-    specs: &[&str],
-    profile: Option<&str>,
-    assignments: &[String],
-    outside: &[String],
-) -> String {
-    let mut words = vec!["specforge", verb];
-    words.extend(specs);
-    words.extend(profile.iter().flat_map(|profile| ["--profile", profile]));
-    words.extend(assignments.iter().flat_map(|assignment| ["--set", assignment]));
-    words.extend(outside.iter().flat_map(|folder| ["--allow-outside", folder]));
-    shlex::try_join(words).expect("an argument of a command has no zero byte")
-}
-
 /// The first characters of a fingerprint or a commit.
 pub fn short(digest: &str) -> &str {
     digest.get(..12).unwrap_or(digest)
@@ -206,18 +184,6 @@ mod tests {
     }
 
     #[test]
-    fn the_command_of_a_page_repeats_profile_assignments_and_folders_outside() {
-        let [assignments, outside] =
-            [vec!["learn.seed = 2".to_owned()], vec!["../shared parents".to_owned()]];
-        assert_eq!(
-            command_of("run", &["specs/x.toml"], Some("quick"), &assignments, &outside),
-            "specforge run specs/x.toml --profile quick --set 'learn.seed = 2' --allow-outside '../shared \
-             parents'"
-        );
-        assert_eq!(command_of("report", &["x.toml"], None, &[], &[]), "specforge report x.toml");
-    }
-
-    #[test]
     fn numbers_are_written_in_few_characters() {
         assert_eq!([128, 16_384, 200_000, 3_014_656].map(count), ["128", "16 384", "200 k", "3.0 M"]);
         assert_eq!(
@@ -241,18 +207,5 @@ mod tests {
         assert_eq!(with_interval(&share, false), "75 [30, 95]");
         assert_eq!(with_interval(&Estimate::exact(-0.25, "m", 1), true), "\u{2212}0.2 m");
         assert_eq!(with_interval(&Estimate::default(), true), "\u{2013}");
-    }
-
-    #[test]
-    fn the_command_quotes_its_files_and_assignments() {
-        let input = ReportInput {
-            specs: vec!["specs/a.toml".to_string(), "my specs/b.toml".to_string()],
-            profile: Some("quick".to_string()),
-            assignments: vec!["action.std=\"5 %\"".to_string()],
-            ..ReportInput::default()
-        };
-        let expected =
-            "specforge run specs/a.toml 'my specs/b.toml' --profile quick --set 'action.std=\"5 %\"'";
-        assert_eq!(command(&input, "run"), expected);
     }
 }

@@ -47,7 +47,7 @@ fn write(output: &Path, file: &Path, content: &[u8]) -> Result<(), WorkError> {
     std::fs::write(&path, content).map_err(|error| WorkError::io(&path, error))
 }
 
-/// The errors of a template as the failure of a stage: `templates/run.md.j2:12:4: undefined variable`.
+/// The errors of a template as the failure of a stage: `templates/report.md.j2:12:4: undefined variable`.
 fn failure(found: &[Diagnostic], sources: &Sources) -> WorkError {
     let lines: Vec<String> = found.iter().map(|diagnostic| line(diagnostic, sources)).collect();
     let help = found.iter().flat_map(|diagnostic| diagnostic.help.first()).next().cloned();

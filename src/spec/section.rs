@@ -126,7 +126,7 @@ keys! {
     /// `[report]`
     pub struct Report in "report" {
         /// The report's template, in `templates/`.
-        #[default("\"run.md.j2\"")]
+        #[default("\"report.md.j2\"")]
         template: String,
         /// Specs that are run and reported beside this one, relative to the file that names them.
         compare: Option<Vec<String>>,

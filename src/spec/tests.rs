@@ -153,7 +153,7 @@ fn a_spec_is_decoded_with_defaults_and_origins() {
     assert_eq!(number(experiment.section("action"), "std"), 0.1);
     let reward = experiment.section("reward").expect("sound");
     assert_eq!(reward.section("effort").and_then(|term| term.kind()), Some("effort"));
-    assert_eq!(text(experiment.section("report"), "template").as_deref(), Some("run.md.j2"));
+    assert_eq!(text(experiment.section("report"), "template").as_deref(), Some("report.md.j2"));
     let file = folder.path("walker.toml");
     let origins = experiment.origins(&sources);
     assert_eq!(origins["action.rate"].to_string(), format!("{}:7", file.display()));
@@ -164,7 +164,7 @@ fn a_spec_is_decoded_with_defaults_and_origins() {
 
 #[test]
 fn the_question_of_a_parents_report_is_not_the_childs() {
-    let parent = format!("{WALKER}[report]\ntemplate = \"run.md.j2\"\nquestion = \"Does it walk?\"\n");
+    let parent = format!("{WALKER}[report]\ntemplate = \"report.md.j2\"\nquestion = \"Does it walk?\"\n");
     let child = "spec = 1\nextends = \"walker.toml\"\n";
     let folder = Folder::new(&[("walker.toml", &parent), ("child.toml", child)]);
     let question = |file: &str| {

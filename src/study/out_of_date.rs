@@ -1,10 +1,9 @@
 //! Finds pages whose specs were changed or deleted after the page was rendered. Needs the specs, not the
 //! store.
 
-use crate::spec::section::Header;
 use std::path::Path;
 
-use super::standing::{self, Recorded};
+use super::standing;
 use super::{Log, Study};
 use crate::plan::StageKind;
 use crate::report::claim;
@@ -13,6 +12,7 @@ use crate::report::index::Standing;
 use crate::report::render_command::render_command;
 use crate::report::sidecar::Sidecar;
 use crate::report::{fields, wording};
+use crate::spec::section::Header;
 use crate::spec::{Claim, Value};
 
 /// How a page differs from what its command would render now.
@@ -29,21 +29,24 @@ const SHOWN: usize = 5;
 
 /// Compares a page in the folder `below` with its specs as they are now, under the page's own options: claims,
 /// summary, seeds, the report's settings and all stages. `None` if they are those of the page, and if the
-/// record has no command of this program.
+/// record names no files.
 pub fn find(report: &Sidecar, below: &Path) -> Option<OutOfDate> {
-    let recorded = standing::recorded(report)?;
-    if let Some(absent) = recorded.files.iter().find(|file| !file.is_file()) {
+    let (request, files) = (&report.request, report.request.paths());
+    if request.is_empty() {
+        return None;
+    }
+    if let Some(absent) = files.iter().find(|file| !file.is_file()) {
         let reason = format!("its spec {} does not exist", absent.display());
         let fix =
             "run this in the folder of its project, restore the spec, or delete page, record and figures";
         return Some(OutOfDate { reason, fix: fix.to_owned() });
     }
-    let Ok(study) = Study::read(&recorded.files, &recorded.options, &mut Log::default()) else {
+    let Ok(study) = Study::read(&files, &request.options(), &mut Log::default()) else {
         let reason = "its specs have errors now, so it is unknown whether it is up to date".to_owned();
-        return Some(OutOfDate { reason, fix: format!("correct them: `{}`", recorded.command("check")) });
+        return Some(OutOfDate { reason, fix: format!("correct them: `{}`", request.command("check")) });
     };
     let changes: Vec<String> = [
-        claims(report, &study, &recorded),
+        claims(report, &study),
         summary(report, &study),
         seeds(report, &study),
         settings(report, &study),
@@ -55,14 +58,14 @@ pub fn find(report: &Sidecar, below: &Path) -> Option<OutOfDate> {
     if changes.is_empty() {
         return None;
     }
-    let again = render_command(report, below).unwrap_or_else(|| recorded.command("report"));
+    let again = render_command(report, below).unwrap_or_else(|| request.command("report"));
     let fix =
-        format!("render it again: `{again}`, after `{}` where runs are missing", recorded.command("run"));
+        format!("render it again: `{again}`, after `{}` where runs are missing", request.command("run"));
     Some(OutOfDate { reason: format!("it is out of date: {}", changes.join("; ")), fix })
 }
 
 /// The claims of a suite that the page does not have, and the other way round.
-fn claims(report: &Sidecar, study: &Study, recorded: &Recorded) -> Option<String> {
+fn claims(report: &Sidecar, study: &Study) -> Option<String> {
     let suite = study.plan.suite.as_ref()?;
     let is_known = |claim: &Claim| report.claims.iter().any(|judged| claim::is_of(judged, claim));
     let is_there = |id: &str| suite.claims.iter().any(|claim| claim.id == id);
@@ -70,12 +73,11 @@ fn claims(report: &Sidecar, study: &Study, recorded: &Recorded) -> Option<String
     let gone = report.claims.iter().map(|judged| judged.id.as_str()).filter(|id| !is_there(id));
     let names: Vec<String> = changed.chain(gone).map(|id| format!("`{id}`")).collect();
     let plural = if names.len() == 1 { "" } else { "s" };
-    let files: Vec<String> = recorded.files.iter().map(|file| file.display().to_string()).collect();
     (!names.is_empty()).then(|| {
         format!(
             "the claim{plural} {} changed in {} since it was rendered",
             names.join(", "),
-            files.join(", ")
+            report.request.files.join(", ")
         )
     })
 }

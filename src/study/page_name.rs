@@ -7,11 +7,12 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use super::{Study, origins, standing};
-use crate::plan::{Plan, PlanError, Request};
+use super::{Study, origins};
+use crate::plan::{Plan, PlanError};
 use crate::report::claim;
-use crate::report::gather::named;
+use crate::report::gather::request;
 use crate::report::index;
+use crate::report::request::Request;
 use crate::report::sidecar::{ArmRecord, Sidecar};
 use crate::report::table::setup::budget_of;
 use crate::report::{fields, wording};
@@ -81,13 +82,13 @@ pub fn choice(study: &Study, destination: Destination) -> Choice {
         Some(Taken::Spec(reason)) => (true, reason),
         Some(Taken::Other(reason)) => (false, reason),
     };
-    let request = study.plan.arms.first().map(|arm| arm.request.clone()).unwrap_or_default();
+    let request = request(&study.plan);
     let profile = request.profile.as_deref().unwrap_or(NO_PROFILE);
     let plain = profile.replace(|c: char| !c.is_alphanumeric() && c != '-', "_");
     let short: String =
         plain.char_indices().take_while(|(at, _)| *at < LONGEST_PROFILE).map(|(_, c)| c).collect();
     let beside = format!("{own}.{short}");
-    let is_plain = !is_other_spec && request.assignments.is_empty() && short == plain;
+    let is_plain = !is_other_spec && request.set.is_empty() && short == plain;
     let name = match is_plain && taken(study, folder, &beside).is_none() {
         true => beside,
         false => {
@@ -122,29 +123,23 @@ fn taken(study: &Study, folder: &Path, name: &str) -> Option<Taken> {
 /// What distinguishes the run of a record from that of a study.
 fn difference(record: &Sidecar, study: &Study) -> Option<Taken> {
     let plan = &study.plan;
-    let request = plan.arms.first().map(|arm| arm.request.clone()).unwrap_or_default();
+    let (recorded, present) = (&record.request, request(plan));
     let other = |reason: String| Some(Taken::Other(reason));
-    let specs: Vec<&str> = plan.arms.iter().take(named(plan)).map(|arm| arm.request.spec.as_str()).collect();
-    let Some(recorded) = standing::recorded(record) else {
-        let Request { profile, assignments, outside, .. } = &request;
-        if record.command == wording::command_of("run", &specs, profile.as_deref(), assignments, outside) {
-            return None;
-        }
-        return other("does not say which command made it".to_owned());
-    };
-    if !is_same_spec(record, &recorded.files, study) {
-        let files = recorded.files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>();
-        return Some(Taken::Spec(format!("is of another spec ({})", files.join(", "))));
+    if recorded.is_empty() {
+        return other("does not say which specs it is of".to_owned());
     }
-    if recorded.options.profile != request.profile {
-        return other(match recorded.options.profile {
+    if !is_same_spec(record, study) {
+        return Some(Taken::Spec(format!("is of another spec ({})", recorded.files.join(", "))));
+    }
+    if recorded.profile != present.profile {
+        return other(match &recorded.profile {
             Some(profile) => format!("is of the profile `{profile}`"),
             None => "is of no profile".to_owned(),
         });
     }
     let sorted = |sets: &[String]| sets.iter().cloned().collect::<BTreeSet<String>>();
-    if sorted(&recorded.options.sets) != sorted(&request.assignments) {
-        return other(match recorded.options.sets.as_slice() {
+    if sorted(&recorded.set) != sorted(&present.set) {
+        return other(match recorded.set.as_slice() {
             [] => "is of the spec without `--set`".to_owned(),
             sets => format!("is of `--set {}`", sets.join(" --set ")),
         });
@@ -156,18 +151,17 @@ fn difference(record: &Sidecar, study: &Study) -> Option<Taken> {
 }
 
 /// Whether a record has the same spec files as a study, or specs with the same values.
-fn is_same_spec(record: &Sidecar, files: &[PathBuf], study: &Study) -> bool {
+fn is_same_spec(record: &Sidecar, study: &Study) -> bool {
     let plan = &study.plan;
-    let requests: Vec<&Request> = plan.arms.iter().take(named(plan)).map(|arm| &arm.request).collect();
-    let places: Vec<&str> = requests.iter().map(|request| request.place.as_str()).collect();
-    let pairs = || files.iter().zip(requests.iter().map(|request| Path::new(&request.spec)));
+    let (recorded, present) = (&record.request, request(plan));
+    let pairs = || recorded.files.iter().map(Path::new).zip(present.files.iter().map(Path::new));
     let others = pairs().any(|(recorded, present)| are_two_files(recorded, present, &study.project));
-    if others || files.len() != requests.len() {
+    if others || recorded.files.len() != present.files.len() {
         return false;
     }
-    let same_places = match record.specs.is_empty() || places.contains(&"") {
-        true => pairs().all(|(recorded, present)| is_same_file(recorded, present, &study.project)),
-        false => record.specs == places,
+    let same_places = match recorded.has_places() && present.has_places() {
+        true => recorded.specs == present.specs,
+        false => pairs().all(|(recorded, present)| is_same_file(recorded, present, &study.project)),
     };
     // A spec that was moved; a suite with other claims is another one.
     same_places || has_same_values(record, plan) && has_same_claims(record, plan)
@@ -224,11 +218,10 @@ fn budget_words(record: &Sidecar) -> String {
 /// gives other digits, for when those are taken.
 fn digest(plan: &Plan, request: &Request, number: u32) -> String {
     let mut hasher = blake3::Hasher::new();
-    for request in plan.arms.iter().take(named(plan)).map(|arm| &arm.request) {
-        let place = if request.place.is_empty() { &request.spec } else { &request.place };
+    for place in request.places() {
         hasher.update(place.as_bytes()).update(&[0]);
     }
-    hasher.update(format!("{:?}{:?}{:?}", request.profile, request.assignments, budgets_of(plan)).as_bytes());
+    hasher.update(format!("{:?}{:?}{:?}", request.profile, request.set, budgets_of(plan)).as_bytes());
     if number > 0 {
         hasher.update(&number.to_le_bytes());
     }

@@ -50,7 +50,7 @@ pub fn templates(project: &Path) -> Templates {
 
 /// The digest of the report's templates. Errors in them are found here, before anything is trained.
 fn checked_templates(fields: &Table, project: &Path, log: &mut Log) -> Result<String, Refusal> {
-    let template = Section::new(fields).at(Report::template).unwrap_or_else(|| "run.md.j2".to_owned());
+    let template = Section::new(fields).part::<Report>().map(|report| report.template).unwrap_or_default();
     let (templates, mut sources) = (templates(project), Sources::default());
     let diagnostics = render::check(&template, &templates, &mut sources);
     log.add(Findings::of(sources, diagnostics))?;

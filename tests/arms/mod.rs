@@ -75,7 +75,7 @@ pub fn arm(name: &str, control: &str) -> Arm {
                 ("mujoco", table([("kind", word("transfer")), ("engine", word("mujoco"))])),
             ]),
         ),
-        ("report", table([("template", word("run.md.j2"))])),
+        ("report", table([("template", word("report.md.j2"))])),
     ]
     .into_iter()
     .map(|(key, value)| (key.to_owned(), value))

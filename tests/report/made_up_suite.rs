@@ -77,7 +77,7 @@ pub fn suite() -> ReportInput {
     });
     input.name = "made_up".into();
     input.summary = "What a made-up comparison looks like".into();
-    input.template = "comparison.md.j2".into();
+    input.template = "report.md.j2".into();
     input
 }
 

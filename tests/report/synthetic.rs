@@ -8,6 +8,7 @@ use specforge::evaluate::outcome::{Episode, Evaluation, Trace};
 use specforge::kinds::motion::{Frame, Motion};
 use specforge::learn::finding::Finding;
 use specforge::report::model::{Arm, Failure, Measured, Pretrain, ReportInput, StageRecord, Update};
+use specforge::report::request::Request;
 use specforge::robot::{Body, Foot, Joint, Link, Robot};
 use specforge::spec::{Quantity, Sampler, Table, Value};
 use specforge::stream::Stream;
@@ -20,14 +21,10 @@ const SPEED: f64 = 0.8;
 /// The whole input.
 pub fn input() -> ReportInput {
     ReportInput {
-        places: Vec::new(),
         name: "atlas_run_torque".into(),
         summary: "Atlas runs under direct joint torque commands".into(),
-        specs: vec!["specs/atlas_run_torque.toml".into()],
-        profile: Some("quick".into()),
-        assignments: vec![],
-        outside: vec![],
-        template: "run.md.j2".into(),
+        request: Request::for_spec("specs/atlas_run_torque.toml", Some("quick")),
+        template: "report.md.j2".into(),
         tool_version: "0.1.0".into(),
         commit: "0123456789abcdef0123456789abcdef01234567".into(),
         arms: vec![arm("torque", 1.0), arm("position", 0.4)],

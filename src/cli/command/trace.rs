@@ -230,7 +230,7 @@ fn text(sidecar: &Sidecar, item: &Item, cells: &[&TracedCell], all: bool) -> Str
         }
     }
     let renderer = format!("rendered by specforge {}, commit {}", sidecar.tool_version, sidecar.commit);
-    text + &one_line(&format!("\n{renderer}")) + &one_line(&format!("again with: {}", sidecar.command))
+    text + &one_line(&format!("\n{renderer}")) + &one_line(&format!("again with: {}", sidecar.command()))
 }
 
 /// The stages behind some cells, without duplicates.
@@ -329,6 +329,6 @@ fn document(sidecar: &Sidecar, item: &Item, cells: &[&TracedCell]) -> Value {
         "runs": runs.collect::<Vec<_>>(),
         "specforge": sidecar.tool_version,
         "commit": sidecar.commit,
-        "command": sidecar.command,
+        "command": sidecar.command(),
     })
 }

@@ -7,9 +7,10 @@ pub mod mark;
 use std::collections::BTreeMap;
 
 use super::claim::{self, Judged, Ruling};
+use super::request::Request;
 use super::sidecar::Sidecar;
 use super::tasks::TaskRecord;
-use super::wording::{command_of, significance};
+use super::wording::significance;
 use crate::escape::markdown::{self, cell, code};
 use crate::spec::claim::Claim;
 use crate::statistics::multiplicity::holm;
@@ -320,7 +321,7 @@ impl Index {
         }
         let mut text = PAGES.to_owned();
         for (name, report) in &self.reports {
-            let command = code(&report.command);
+            let command = code(&report.command());
             let standing = self.standings.get(name).map_or("\u{2013}".to_owned(), Standing::in_words);
             text += &row(&link_to(name), &[about(report), command, standing]);
         }
@@ -343,7 +344,7 @@ impl Index {
             let (name, summary) =
                 (markdown::inline(&suite.name), markdown::inline(suite.summary.trim_end_matches('.')));
             let profile = self.profile(suite);
-            let command = command_of("run", &[&suite.file], profile, &[], &[]);
+            let command = Request::for_spec(&suite.file, profile).command("run");
             text += &format!("* **{name}**: {summary}. {}\n", code(&command));
         }
         text
@@ -352,8 +353,9 @@ impl Index {
     /// The profile to run a suite with: that of its profiles with most reports here, else the one for desktop
     /// computers.
     fn profile<'a>(&self, suite: &'a Listed) -> Option<&'a str> {
-        let runs =
-            |name: &str| self.reports.values().filter(|report| profile_of(report) == Some(name)).count();
+        let runs = |name: &str| {
+            self.reports.values().filter(|report| report.request.profile.as_deref() == Some(name)).count()
+        };
         let own = suite.profiles.iter().map(String::as_str);
         let most = own
             .rev()
@@ -363,11 +365,6 @@ impl Index {
         most.map(|(_, name)| name)
             .or_else(|| suite.profiles.iter().map(String::as_str).find(|name| *name == DESK))
     }
-}
-
-/// The profile in a report's command.
-fn profile_of(report: &Sidecar) -> Option<&str> {
-    report.command.split_once(" --profile ").and_then(|(_, rest)| rest.split_whitespace().next())
 }
 
 /// The subject of a report; its arms if its spec has no summary.
@@ -465,23 +462,20 @@ mod tests {
 
     #[test]
     fn suites_that_were_not_run_are_run_with_a_profile_that_the_project_has() {
-        let command = |profiles: &[&str], ran: &str| {
+        let command = |profiles: &[&str], ran: Option<&str>| {
             let mut index = index();
             let report = index.reports.get_mut("done").expect("a report");
-            report.command = format!("specforge run specs/done.toml{ran}");
+            report.request.profile = ran.map(str::to_owned);
             index.suites[1].profiles = profiles.iter().map(|name| (*name).to_owned()).collect();
             let page = index.page();
             let line = page.lines().find(|line| line.starts_with("* **open**")).expect("it was not run");
             line.split('`').nth(1).expect("a command").to_owned()
         };
         let open = "specforge run specs/studies/open.toml";
-        assert_eq!(command(&[], " --profile desk"), open);
-        assert_eq!(
-            command(&["night", "short"], " --profile short --set a=1"),
-            format!("{open} --profile short")
-        );
-        assert_eq!(command(&["night", "short"], ""), open);
-        assert_eq!(command(&["desk", "night"], ""), format!("{open} --profile desk"));
+        assert_eq!(command(&[], Some("desk")), open);
+        assert_eq!(command(&["night", "short"], Some("short")), format!("{open} --profile short"));
+        assert_eq!(command(&["night", "short"], None), open);
+        assert_eq!(command(&["desk", "night"], None), format!("{open} --profile desk"));
     }
 
     #[test]

@@ -84,8 +84,12 @@ impl Place<'_> {
     /// A report belongs in the folder that corresponds to its spec below `specs/`, or, with `--reports`,
     /// directly in the folder of reports.
     fn misplaced(&self, record: &Sidecar, seal: Seal, page: &Path, path: &Path) -> Option<Fault> {
-        let home =
-            record.specs.first().map(|spec| page_folder(spec)).filter(|home| !home.as_os_str().is_empty())?;
+        let home = record
+            .request
+            .specs
+            .first()
+            .map(|spec| page_folder(spec))
+            .filter(|home| !home.as_os_str().is_empty())?;
         let here = self.below.strip_prefix(self.folder).unwrap_or(Path::new(""));
         (!here.as_os_str().is_empty() && here != home).then(|| {
             let command = match seal {

@@ -136,7 +136,7 @@ pub(super) fn copies(found: &mut Found) {
     for names in places.into_values().filter(|names| names.len() > 1) {
         let folder = |name: &str| Path::new(name).parent().unwrap_or(Path::new("")).to_owned();
         let is_home = |name: &&&str| {
-            let spec = found.records.get(**name).and_then(|record| record.specs.first());
+            let spec = found.records.get(**name).and_then(|record| record.request.specs.first());
             spec.is_some_and(|spec| page_folder(spec) == folder(name))
         };
         let own = names.iter().find(is_home).copied();

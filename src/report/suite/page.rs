@@ -1,4 +1,4 @@
-//! The variables of a suite's report, in addition to those of every report.
+//! What the page of a suite has in place of the columns of single specs.
 
 use std::collections::BTreeSet;
 
@@ -9,12 +9,14 @@ use crate::plan::Training;
 use crate::report::failures;
 use crate::report::group::{Group, groups, varying};
 use crate::report::model::ReportInput;
-use crate::report::table::{Table, endings, health};
+use crate::report::page::{Tables, with_rows};
+use crate::report::provenance;
+use crate::report::table::{endings, health};
 use crate::report::tasks;
 use crate::report::wording::arm_in_words;
 use crate::statistics::summary::mean;
 
-/// A suite in a template. Empty if the report is not on a suite.
+/// What only a suite has. Empty if the report is not on a suite.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SuitePage {
     /// The axes on which the arms differ.
@@ -25,28 +27,8 @@ pub struct SuitePage {
     pub runs: usize,
     /// The learning seeds; empty if each arm uses that of its spec.
     pub seeds: Vec<u64>,
-    /// What all arms have in common.
-    pub shared: Table,
-    /// Differences between the arms, in tables per axis or per arm.
-    pub differing: Vec<Table>,
-    /// The spec values in which arms differ from the first, for a sweep over one axis.
-    pub changes: Table,
-    /// Training, one row per arm.
-    pub learning: Table,
-    /// The same for the fine-tuning; no rows if no arm has one.
-    pub fine_tuning: Table,
-    /// Findings of the run-time checks during training, one row per arm and code.
-    pub health: Table,
-    /// Why episodes ended in the last tenth of the training, one row per arm.
-    pub endings: Table,
     /// The name of the intervals over seeds.
     pub intervals: String,
-    /// Evaluations: one table each, one row per arm, means over its seeds.
-    pub outcomes: Vec<Table>,
-    /// Interquartile means of the same, for arms with at least four seeds.
-    pub interquartile: Vec<Table>,
-    /// Evaluations over parameter sets: survival, arms compared on the same sets, and why sets fail.
-    pub failures: Vec<Table>,
     /// Caveats on the failures.
     pub failure_sentences: Vec<String>,
 }
@@ -65,10 +47,7 @@ impl SuitePage {
     pub fn new(input: &ReportInput) -> Self {
         let Some(suite) = &input.suite else { return Self::default() };
         let groups = groups(input);
-        let (failures, failure_sentences) = failures::told(&groups);
         let axes = varying(input, &groups);
-        let names: Vec<&str> = axes.iter().map(|(name, _)| *name).collect();
-        let differing = table::differing(&groups, &names);
         let axes = axes.into_iter().map(|(name, points)| AxisPage {
             name: name.to_owned(),
             points: points.into_iter().map(str::to_owned).collect(),
@@ -78,32 +57,31 @@ impl SuitePage {
             arms: groups.len(),
             runs: input.arms.len(),
             seeds: suite.seeds.clone(),
-            shared: table::shared(&groups),
-            differing,
-            changes: changes::table(input, &groups),
-            learning: table::learning(&groups, Training::First),
-            fine_tuning: table::learning(&groups, Training::FineTuning),
-            health: health::of_groups(&groups),
-            endings: endings::of_groups(&groups),
             intervals: interval::over_seeds(&groups),
-            outcomes: table::outcomes(&groups, &input.figures),
-            interquartile: table::interquartile(&groups, &input.figures),
-            failures,
-            failure_sentences,
+            failure_sentences: failures::told(&groups).1,
         }
     }
+}
 
-    /// All tables in the order of the report.
-    pub fn tables(&self) -> Vec<&Table> {
-        let Self { shared, differing, changes, learning, fine_tuning, health, endings, .. } = self;
-        let Self { outcomes, interquartile, failures, .. } = self;
-        let mut tables = vec![shared];
-        tables.extend(differing);
-        tables.extend([changes, learning, fine_tuning, health, endings]);
-        tables.extend(outcomes);
-        tables.extend(interquartile);
-        tables.extend(failures);
-        tables
+/// The tables of a suite's report, but for its claims.
+pub fn tables(input: &ReportInput) -> Tables {
+    let groups = groups(input);
+    let axes: Vec<&str> = varying(input, &groups).iter().map(|(name, _)| *name).collect();
+    let mut differences = table::differing(&groups, &axes);
+    differences.push(changes::table(input, &groups));
+    let mut evaluations = table::outcomes(&groups, &input.figures);
+    evaluations.extend(table::interquartile(&groups, &input.figures));
+    Tables {
+        setup: table::shared(&groups),
+        differences: with_rows(differences),
+        learning: table::learning(&groups, Training::First),
+        fine_tuning: table::learning(&groups, Training::FineTuning),
+        health: health::of_groups(&groups),
+        endings: endings::of_groups(&groups),
+        evaluations: with_rows(evaluations),
+        failures: failures::told(&groups).0,
+        cost: provenance::sum(input),
+        ..Tables::default()
     }
 }
 

@@ -61,6 +61,7 @@ pub fn differences(input: &ReportInput) -> Table {
         "What differs between the arms",
         ["spec value".to_string()].into_iter().chain(labels(&input.arms)),
     );
+    table.note = "All values that differ between the arms:".to_owned();
     for path in fields::differing(&input.arms) {
         let cell = |arm: &Arm| Cell::Text(field(arm, &path).unwrap_or_else(|| "\u{2013}".to_string()));
         table.row("", &format!("`{path}`"), input.arms.iter().map(cell));

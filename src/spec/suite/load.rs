@@ -16,11 +16,8 @@ use crate::spec::load::{Loading, Merged, Overlay, sort};
 use crate::spec::marks::below;
 use crate::spec::section;
 use crate::spec::typed::{InSection, Keys};
-use crate::spec::{LoadOptions, NamedSpec, Shape, Table, Value, Vocabulary};
+use crate::spec::{LoadOptions, NamedSpec, Shape, Table, Vocabulary};
 use crate::syntax::{Entry, Files, Item, Layer, Map, Node, merge};
-
-/// The template of a suite that does not name one.
-const TEMPLATE: &str = "comparison.md.j2";
 
 /// A suite and its arms, with their diagnostics.
 #[derive(Clone, Debug, Default)]
@@ -182,8 +179,7 @@ fn report(parts: &Parts, set: Option<&Entry>, suite: &Path, loading: &mut Loadin
         .at(entry.key, "");
         loading.sink.emit(error.help("a suite compares its arms: add a point with `extends`"));
     }
-    let named = own.node.table().is_some_and(|map| map.get("template").is_some());
-    let mut table = Decoder::new(&mut loading.sink)
+    let table = Decoder::new(&mut loading.sink)
         .plain(&own.node, section::Report::PARAMS, section::Report::SECTION)
         .unwrap_or_default();
     let figures = match own.node.table().and_then(|map| map.get("figures")).map(|node| &node.item) {
@@ -194,9 +190,6 @@ fn report(parts: &Parts, set: Option<&Entry>, suite: &Path, loading: &mut Loadin
     };
     let baselines = own.node.table().and_then(|map| map.get("baseline"));
     let baselines = baselines.map(|node| baselines_of(node, suite, &loading.sources)).unwrap_or_default();
-    if !named {
-        table.insert("template".to_owned(), Value::Text(TEMPLATE.to_owned()));
-    }
     Report { table, figures, baselines }
 }
 
