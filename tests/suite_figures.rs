@@ -257,7 +257,7 @@ fn the_page_of_a_suite_has_its_parts_in_order_and_shows_every_figure() {
         "**Question.** ",
         "**Answer.** Of 3 claims 1 passes, 0 fail and 2 are not established.",
         "**Before you rely on this:**",
-        "<details><summary>Method</summary>",
+        "<details><summary>What was run</summary>",
         "<details><summary>Claims: ",
         "<details><summary>Learning</summary>",
         "<details><summary>Evaluation: ",

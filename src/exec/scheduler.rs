@@ -79,9 +79,14 @@ struct Running {
     most: Threads,
 }
 
-/// A stage that ended: its fingerprint in the plan, the fingerprint that it ran under (which differs for a
-/// report on some of its inputs), and how it ended.
-type Message = (Fingerprint, Fingerprint, Ending);
+/// A stage that ended.
+struct Message {
+    /// The stage of the plan.
+    key: Fingerprint,
+    /// What was made: the same, or a report on some of its inputs.
+    made: Fingerprint,
+    ending: Ending,
+}
 
 /// Runs the selected stages of the plan. Interrupting a wait for the store counts as interrupting the run.
 pub fn run(workshop: &Workshop, options: &Options) -> Result<Outcome, StoreError> {
@@ -332,11 +337,11 @@ impl<'a> Board<'a> {
             let order = Order { stage: &stage, inputs, threads, failures: &failures, cpu: &cpu };
             let ending = workshop.perform(&order);
             // The receiver outlives every stage.
-            let _ = sender.send((key, stage.fingerprint.clone(), ending));
+            let _ = sender.send(Message { key, made: stage.fingerprint.clone(), ending });
         });
     }
 
-    fn finish(&mut self, (key, made, ending): Message) -> Result<(), StoreError> {
+    fn finish(&mut self, Message { key, made, ending }: Message) -> Result<(), StoreError> {
         self.share_time();
         self.running.remove(&key);
         self.rebalance();

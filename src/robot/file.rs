@@ -254,8 +254,8 @@ fn no_image(robot: &Robot, unpaired: &Unpaired) -> Issue {
 /// Joints whose image in the file differs from the one derived from geometry (E0408).
 fn other_images(robot: &Robot, mirror: &[(usize, f64)], file: &RobotFile) -> Vec<Issue> {
     let stated = file.links.iter().map(|link| link.joint.mirror.as_deref());
-    let wrong = stated.zip(mirror).enumerate().filter_map(|(index, (stated, image))| {
-        let (stated, right) = (stated?, symmetry::written(robot, *image));
+    let wrong = stated.zip(mirror).enumerate().filter_map(|(index, (stated, (image, sign)))| {
+        let (stated, right) = (stated?, symmetry::written(robot, *image, *sign));
         (stated.trim_start_matches('+') != right).then(|| Issue {
             code: "E0408",
             path: format!("links.{index}.joint.mirror"),

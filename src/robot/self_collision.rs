@@ -45,16 +45,17 @@ struct Piece {
 
 impl Piece {
     fn of(collision: &Collision) -> Self {
-        Self::new(collision.shape.clone(), collision.pose, solid(collision))
+        let (solid, solid_place) = solid(collision);
+        Self::new(collision.shape.clone(), collision.pose, solid, solid_place)
     }
 
     /// As in the engines, a foot is represented by its sole's box.
     fn of_foot(foot: &Foot) -> Self {
         let (solid, place) = sole(foot);
-        Self::new(Shape::Box(foot.half_extents), place, (solid, place))
+        Self::new(Shape::Box(foot.half_extents), place, solid, place)
     }
 
-    fn new(shape: Shape, place: Isometry3<f64>, (solid, solid_place): (SharedShape, Isometry3<f64>)) -> Self {
+    fn new(shape: Shape, place: Isometry3<f64>, solid: SharedShape, solid_place: Isometry3<f64>) -> Self {
         let radius = match &shape {
             Shape::Box(half) => half.norm(),
             Shape::Capsule(half, radius) => half + radius,

@@ -181,7 +181,7 @@ pub fn counterpart(name: &str) -> String {
 }
 
 /// A joint's image in the notation of robot files: `-right_hip`.
-pub fn written(robot: &Robot, (image, sign): (usize, f64)) -> String {
+pub fn written(robot: &Robot, image: usize, sign: f64) -> String {
     format!("{}{}", if sign < 0.0 { "-" } else { "" }, robot.links[image].joint.name)
 }
 

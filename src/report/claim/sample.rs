@@ -56,12 +56,12 @@ pub fn samples(claim: &Claim, metric: &MetricKind, unit: Unit, arms: &[Observed]
     }
     let place = |case: &Case| {
         let point = alternative(claim, &points, case).unwrap_or_default();
-        (case.label.clone(), point)
+        Place { label: case.label.clone(), alternative: point }
     };
     match (unit, &claim.over) {
         (Unit::Episode, Some(Over::Trend(_))) => {
             let points: Vec<usize> = cases.iter().map(|case| case.a).collect();
-            collector.episodes((String::new(), String::new()), &pick(arms, &points));
+            collector.episodes(Place::default(), &pick(arms, &points));
         }
         (Unit::Episode, _) => {
             cases.iter().for_each(|case| collector.episodes(place(case), &pick(arms, &sides(case))))
@@ -76,7 +76,7 @@ pub fn samples(claim: &Claim, metric: &MetricKind, unit: Unit, arms: &[Observed]
                 let strata = arms.into_iter().map(|arm| collector.runs(arm)).collect::<Vec<_>>();
                 all.iter_mut().zip(strata).for_each(|(side, stratum)| side.push(stratum));
             }
-            let (label, alternative) = Default::default();
+            let Place { label, alternative } = Place::default();
             // The episodes at the points of a trend are pooled when their runs have no spread.
             let episodes = episodes.into_iter().min().flatten().filter(|_| matches!(over, Over::Trend(_)));
             let sample = Sample::Runs { sides: all, episodes };
@@ -88,7 +88,7 @@ pub fn samples(claim: &Claim, metric: &MetricKind, unit: Unit, arms: &[Observed]
                 let sources = collector.sources(&arms);
                 let episodes = collector.fewest_episodes(&arms);
                 let sides = arms.into_iter().map(|arm| vec![collector.runs(arm)]).collect();
-                let (label, alternative) = place(case);
+                let Place { label, alternative } = place(case);
                 let sample = Sample::Runs { sides, episodes };
                 collector.found.cases.push(Found { label, alternative, sample, sources });
             }
@@ -101,6 +101,39 @@ pub fn samples(claim: &Claim, metric: &MetricKind, unit: Unit, arms: &[Observed]
 
 fn pick<'a, 'o>(arms: &'o [Observed<'a>], places: &[usize]) -> Vec<&'o Observed<'a>> {
     places.iter().map(|place| &arms[*place]).collect()
+}
+
+/// What is compared: the case's label, and its point on the axis that the claim quantifies over.
+#[derive(Default)]
+struct Place {
+    label: String,
+    alternative: String,
+}
+
+/// A run of an arm.
+#[derive(Clone, Copy)]
+struct Run<'a, 'o> {
+    arm: &'o Observed<'a>,
+    seed: u64,
+    own: &'a Arm,
+}
+
+impl<'a, 'o> Run<'a, 'o> {
+    /// All runs of an arm.
+    fn all(arm: &'o Observed<'a>) -> impl Iterator<Item = Self> {
+        arm.runs.iter().map(move |(seed, own)| Self { arm, seed: *seed, own })
+    }
+
+    /// The run of an arm with this seed.
+    fn of(arm: &'o Observed<'a>, seed: u64) -> Option<Self> {
+        Some(Self { arm, seed, own: run(arm, seed)? })
+    }
+}
+
+/// The episodes of a run: their values, and what was measured.
+struct Episodes {
+    values: Vec<f64>,
+    evaluation: Evaluation,
 }
 
 /// The run of an arm with this seed.
@@ -118,9 +151,8 @@ struct Collector<'a> {
 impl Collector<'_> {
     /// The stages of the runs of these arms that have a value.
     fn sources(&self, arms: &[&Observed]) -> Vec<Source> {
-        let runs = arms.iter().flat_map(|arm| arm.runs.iter().map(move |(seed, run)| (arm, *seed, *run)));
-        let measured = runs.filter(|(arm, seed, run)| self.value((arm, *seed), run).is_some());
-        measured.map(|(_, _, run)| self.source(run)).collect()
+        let measured = arms.iter().flat_map(|arm| Run::all(arm)).filter(|run| self.value(*run).is_some());
+        measured.map(|run| self.source(run.own)).collect()
     }
 
     fn source(&self, run: &Arm) -> Source {
@@ -134,10 +166,10 @@ impl Collector<'_> {
     /// The values of the runs that have one.
     fn runs(&mut self, arm: &Observed) -> Vec<f64> {
         let mut values = Vec::new();
-        for (seed, run) in arm.runs {
-            match self.value((arm, *seed), run) {
+        for run in Run::all(arm) {
+            match self.value(run) {
                 Some(value) => values.push(value),
-                None => self.lack(arm, *seed),
+                None => self.lack(arm, run.seed),
             }
         }
         values
@@ -145,12 +177,12 @@ impl Collector<'_> {
 
     /// The value of a run: its metric, relative to the baseline if the claim has one; `None` if not measured
     /// or not judged.
-    fn value(&self, of: (&Observed, u64), run: &Arm) -> Option<f64> {
-        let compared = self.compared(of, run)?;
-        if self.unjudged(run, compared).is_some() {
+    fn value(&self, run: Run) -> Option<f64> {
+        let compared = self.compared(run)?;
+        if self.unjudged(run.own, compared).is_some() {
             return None;
         }
-        run_value(run, compared, self.claim, self.metric)
+        run_value(run.own, compared, self.claim, self.metric)
     }
 
     /// Which evaluation of a run or of its baseline is too short for its survivors to be judged, and why: they
@@ -167,7 +199,7 @@ impl Collector<'_> {
 
     /// The baseline of a run: the run itself, or the run with the same seed in the twin arm; `None` if
     /// missing.
-    fn compared<'r>(&'r self, (arm, seed): (&Observed, u64), own: &'r Arm) -> Option<&'r Arm> {
+    fn compared<'r>(&'r self, Run { arm, seed, own }: Run<'r, '_>) -> Option<&'r Arm> {
         let Some(pattern) = self.claim.baseline.as_ref().and_then(|baseline| baseline.twin.as_ref()) else {
             return Some(own);
         };
@@ -192,23 +224,26 @@ impl Collector<'_> {
 
     /// The value of each episode of a run, relative to the baseline if the claim has one; `None` if not
     /// measured or not judged, or if the episodes are not the same.
-    fn of_episodes(&self, of: (&Observed, u64), own: &Arm) -> Option<(Vec<f64>, Evaluation)> {
+    fn of_episodes(&self, run: Run) -> Option<Episodes> {
+        let (own, other) = (run.own, self.compared(run)?);
         let evaluation = self.evaluation(own)?;
-        if self.unjudged(own, self.compared(of, own)?).is_some() {
+        if self.unjudged(own, other).is_some() {
             return None;
         }
         let found = values(own, evaluation, self.metric)?;
-        let Some(baseline) = &self.claim.baseline else { return Some((found, evaluation.clone())) };
-        let other = self.compared(of, own)?;
+        let Some(baseline) = &self.claim.baseline else {
+            return Some(Episodes { values: found, evaluation: evaluation.clone() });
+        };
         let base = evaluation_of(other, &baseline.stage)?;
         let bases = values(other, base, self.metric).filter(|_| are_paired(evaluation, base))?;
         let less = |(own, base): (&f64, &f64)| if baseline.relative { own / base } else { own - base };
-        let found: Vec<f64> = found.iter().zip(&bases).map(less).collect();
-        found.iter().all(|value| value.is_finite()).then(|| (found, evaluation.clone()))
+        let values: Vec<f64> = found.iter().zip(&bases).map(less).collect();
+        let is_finite = values.iter().all(|value| value.is_finite());
+        is_finite.then(|| Episodes { values, evaluation: evaluation.clone() })
     }
 
     /// Collects the episodes of every seed that all sides have. Each of several seeds is a case of its own.
-    fn episodes(&mut self, (label, alternative): (String, String), arms: &[&Observed]) {
+    fn episodes(&mut self, place: Place, arms: &[&Observed]) {
         let mut seeds: Vec<u64> =
             arms.iter().flat_map(|arm| arm.runs.iter().map(|(seed, _)| *seed)).collect();
         seeds.sort_unstable();
@@ -216,17 +251,17 @@ impl Collector<'_> {
         // An arm may have fewer seeds than another.
         seeds.retain(|seed| arms.iter().all(|arm| run(arm, *seed).is_some()));
         for seed in &seeds {
-            let find = |arm: &&Observed| self.of_episodes((arm, *seed), run(arm, *seed)?);
-            let found: Vec<Option<(Vec<f64>, Evaluation)>> = arms.iter().map(find).collect();
+            let find = |arm: &&Observed| self.of_episodes(Run::of(arm, *seed)?);
+            let found: Vec<Option<Episodes>> = arms.iter().map(find).collect();
             for (arm, _) in arms.iter().zip(&found).filter(|(_, evaluation)| evaluation.is_none()) {
                 self.lack(arm, *seed);
             }
             let Some(evaluations) = found.into_iter().collect::<Option<Vec<_>>>() else { continue };
             let sources = arms.iter().filter_map(|arm| Some(self.source(run(arm, *seed)?))).collect();
             let seed = (seeds.len() > 1).then(|| format!("seed={seed}"));
-            let words = [Some(label.clone()).filter(|label| !label.is_empty()), seed];
+            let words = [Some(place.label.clone()).filter(|label| !label.is_empty()), seed];
             let label = words.into_iter().flatten().collect::<Vec<_>>().join(",");
-            let (alternative, sample) = (alternative.clone(), sample(evaluations));
+            let (alternative, sample) = (place.alternative.clone(), sample(evaluations));
             self.found.cases.push(Found { label, alternative, sample, sources });
         }
     }
@@ -257,7 +292,7 @@ impl Collector<'_> {
     fn lack_a_difference(&mut self, case: &Case) {
         let Some(other) = case.b else { return };
         let [one, other] = [&self.arms[case.a], &self.arms[other]];
-        let keys = |arm: &Observed, (seed, own): &(u64, &Arm)| -> Option<[String; 2]> {
+        let keys = |run: Run| -> Option<[String; 2]> {
             let key = |run: &Arm, stage: &str| {
                 let name = match self.metric.source {
                     metric::Source::Learning(_) => training(stage).stage(),
@@ -267,15 +302,12 @@ impl Collector<'_> {
                 Some(found.fingerprint.clone()).filter(|key| !key.is_empty())
             };
             let base = match &self.claim.baseline {
-                Some(baseline) => key(self.compared((arm, *seed), own)?, &baseline.stage)?,
+                Some(baseline) => key(self.compared(run)?, &baseline.stage)?,
                 None => String::new(),
             };
-            Some([key(own, &self.claim.metric.stage)?, base])
+            Some([key(run.own, &self.claim.metric.stage)?, base])
         };
-        let pairs = one.runs.iter().filter_map(|run| {
-            let twin = other.runs.iter().find(|(seed, _)| *seed == run.0)?;
-            Some((keys(one, run)?, keys(other, twin)?))
-        });
+        let pairs = Run::all(one).filter_map(|run| Some((keys(run)?, keys(Run::of(other, run.seed)?)?)));
         let mut pairs = pairs.peekable();
         if pairs.peek().is_some() && pairs.all(|(own, other)| own == other) {
             let stage = &self.claim.metric.stage;
@@ -291,7 +323,7 @@ impl Collector<'_> {
     fn lack(&mut self, arm: &Observed, seed: u64) {
         let unjudged = || {
             let own = run(arm, seed)?;
-            self.unjudged(own, self.compared((arm, seed), own)?)
+            self.unjudged(own, self.compared(Run { arm, seed, own })?)
         };
         let reason = unjudged().unwrap_or_else(|| format!("has no result of `{}`", self.claim.metric.stage));
         self.found.missing.push(format!("{} with seed {seed} {reason}", code(&name(arm.points))));
@@ -374,7 +406,10 @@ fn values(run: &Arm, evaluation: &Evaluation, metric: &MetricKind) -> Option<Vec
 }
 
 /// The sample for the episodes of one seed.
-fn sample(sides: Vec<(Vec<f64>, Evaluation)>) -> Sample {
-    let paired = matches!(sides.as_slice(), [(_, first), (_, second)] if are_paired(first, second));
-    Sample::Episodes { sides: sides.into_iter().map(|(values, _)| values).collect(), paired }
+fn sample(sides: Vec<Episodes>) -> Sample {
+    let paired = match sides.as_slice() {
+        [first, second] => are_paired(&first.evaluation, &second.evaluation),
+        _ => false,
+    };
+    Sample::Episodes { sides: sides.into_iter().map(|side| side.values).collect(), paired }
 }

@@ -77,7 +77,7 @@ fn welded(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Result<Welded,
     let stance = tree.stance.map(|stance| stance * root.pose.rotation);
     let known = Known { upright, stance, fills: &selection.fills, meshes: &meshes(tree, &places), named };
     let mut remarks = Vec::new();
-    let feet = frames::express(&mut welded, feet, &known, (&mut remarks, sink))?;
+    let feet = frames::express(&mut welded, feet, &known, &mut remarks, sink)?;
     if !named {
         let [left, right] = feet.map(|foot| welded.links[foot].body.name.as_str());
         welded.notes.push(format!(

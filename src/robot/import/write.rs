@@ -172,7 +172,9 @@ impl Writer<'_> {
     fn images(&mut self, welded: &Welded) -> Vec<String> {
         let skeleton = welded.skeleton();
         match symmetry::mirror_map(&skeleton) {
-            Ok(mirror) => mirror.into_iter().map(|image| symmetry::written(&skeleton, image)).collect(),
+            Ok(mirror) => {
+                mirror.into_iter().map(|(image, sign)| symmetry::written(&skeleton, image, sign)).collect()
+            }
             Err(unpaired) => {
                 let joint = unpaired.joint;
                 let message = format!(

@@ -209,7 +209,8 @@ impl Decoder<'_> {
         map: &Map,
         node: &Node,
         registry: &Registry<'_>,
-        (path, name): (&str, Option<(&str, Span)>),
+        path: &str,
+        name: Option<(&str, Span)>,
     ) -> Option<&'static Kind> {
         let kinds = || registry.kinds.iter().map(|kind| kind.name);
         let (word, at) = match (map.entries.get("kind"), name) {

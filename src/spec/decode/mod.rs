@@ -177,7 +177,7 @@ impl<'a> Decoder<'a> {
         name: Option<(&str, Span)>,
     ) -> Option<Table> {
         let map = self.expect_table(node, path, &[])?;
-        let kind = self.find_kind(map, node, registry, (path, name))?;
+        let kind = self.find_kind(map, node, registry, path, name)?;
         let place = keys::Place { path, header: node.span, kind: Some(kind), registry: Some(registry) };
         let mut table = self.fields(map, &[kind.params, registry.extra], &place)?;
         table.insert("kind".to_owned(), Value::Text(kind.name.to_owned()));

@@ -45,6 +45,13 @@ const SAMPLES: Effort = Effort { label: "samples (M)", of: |update| update.sampl
 const SIMULATED: Effort = Effort { label: "simulated hours", of: |update| update.simulated_s / 3600.0 };
 const WALL: Effort = Effort { label: "wall hours", of: |update| update.wall_s / 3600.0 };
 
+/// What is drawn: the return of one of the trainings.
+#[derive(Clone, Copy)]
+struct Learned {
+    training: Training,
+    returns: Returns,
+}
+
 /// The mean curve of an arm with its interval over seeds.
 struct Curve {
     places: Vec<f64>,
@@ -75,10 +82,11 @@ pub fn figure(view: &View) -> Option<Figure> {
     };
     let hours = hours_per_million(groups, training);
     let returns = Returns::of(groups.iter().flat_map(|group| group.runs.iter().copied()));
+    let learned = Learned { training, returns };
     let efforts = if hours.is_some() { vec![SAMPLES, WALL] } else { vec![SAMPLES, SIMULATED, WALL] };
     let curves: Vec<Vec<Option<Curve>>> = efforts
         .iter()
-        .map(|effort| groups.iter().map(|group| curve(group, *effort, (training, returns))).collect())
+        .map(|effort| groups.iter().map(|group| curve(group, *effort, learned)).collect())
         .collect();
     let drawn = || curves.iter().flatten().flatten();
     drawn().next()?;
@@ -105,10 +113,9 @@ pub fn figure(view: &View) -> Option<Figure> {
     let standing =
         |group: &Group| group.runs.iter().find_map(|run| standing::standing(run, training, returns));
     let still: Vec<Option<f64>> = groups.iter().map(standing).collect();
-    let learned = |arm: &usize| has_curve(*arm);
     let y = Axis::from_zero(
         returns.label(),
-        heights.chain((0..groups.len()).filter(learned).filter_map(|arm| still[arm])),
+        heights.chain((0..groups.len()).filter(|arm| has_curve(*arm)).filter_map(|arm| still[arm])),
         5,
     );
     for (across, effort) in efforts.iter().enumerate() {
@@ -134,7 +141,7 @@ pub fn figure(view: &View) -> Option<Figure> {
             }
             let levels = levels(row.arms.iter().enumerate().map(|(place, arm)| (place, still[*arm])));
             standing::draw(&mut drawing, &panel, &levels, |place| names[down][place].clone());
-            let ends = draw_all(&mut drawing, &panel, (row, &inks[down]), &curves[across]);
+            let ends = draw_all(&mut drawing, &panel, row, &inks[down], &curves[across]);
             if across + 1 == columns {
                 let ink = |place: usize| Ink::Arm(inks[down][place]);
                 let named =
@@ -146,7 +153,7 @@ pub fn figure(view: &View) -> Option<Figure> {
     Some(Figure {
         id: view.id(),
         title: title.to_string(),
-        caption: caption(groups, hours, (training, returns))
+        caption: caption(groups, hours, learned)
             + shared(&inks)
             + if still.iter().any(Option::is_some) { standing::CAPTION } else { "" },
         drawing,
@@ -228,7 +235,8 @@ fn drawn_rows(mut rows: Vec<Row>, has_curve: impl Fn(usize) -> bool) -> Vec<Row>
 fn draw_all(
     drawing: &mut Drawing,
     panel: &Panel,
-    (row, inks): (&Row, &[usize]),
+    row: &Row,
+    inks: &[usize],
     curves: &[Option<Curve>],
 ) -> Vec<(usize, f64)> {
     let mut ends = Vec::new();
@@ -258,7 +266,8 @@ fn hours_per_million(groups: &[Group<'_>], training: Training) -> Option<f64> {
 }
 
 /// The curves of an arm's runs, resampled at common positions.
-fn curve(group: &Group<'_>, effort: Effort, (training, returns): (Training, Returns)) -> Option<Curve> {
+fn curve(group: &Group<'_>, effort: Effort, learned: Learned) -> Option<Curve> {
+    let Learned { training, returns } = learned;
     let points = |run: &&Arm| -> Vec<(f64, f64)> {
         let point = |update: &Update| Some(((effort.of)(update), returns.value(run, update)?));
         run.updates_of(training).iter().filter_map(point).collect()
@@ -323,9 +332,11 @@ fn bands(training: Training) -> &'static str {
     }
 }
 
-fn caption(groups: &[Group<'_>], hours: Option<f64>, (training, returns): (Training, Returns)) -> String {
-    let learned = |run: &&&Arm| !run.updates_of(training).is_empty();
-    let counts: Vec<usize> = groups.iter().map(|group| group.runs.iter().filter(learned).count()).collect();
+fn caption(groups: &[Group<'_>], hours: Option<f64>, learned: Learned) -> String {
+    let Learned { training, returns } = learned;
+    let has_learned = |run: &&&Arm| !run.updates_of(training).is_empty();
+    let counts: Vec<usize> =
+        groups.iter().map(|group| group.runs.iter().filter(has_learned).count()).collect();
     let (least, most) = (counts.iter().min().unwrap_or(&0), counts.iter().max().unwrap_or(&0));
     let n = if least == most { format!("n = {most}") } else { format!("n = {least} to {most}") };
     let hours = hours
@@ -373,7 +384,8 @@ mod tests {
         };
         let (early, late) = (run(2), run(40));
         let group = Group { name: "arm", points: &[], runs: vec![&early, &late] };
-        let curve = curve(&group, SAMPLES, (Training::First, Returns::of([]))).expect("a curve");
+        let learned = Learned { training: Training::First, returns: Returns::of([]) };
+        let curve = curve(&group, SAMPLES, learned).expect("a curve");
         assert!(curve.places[0] >= 40.0 && curve.places[0] < 43.0, "{:?}", curve.places);
         assert_eq!((curve.mean.len(), curve.interval.len()), (curve.places.len(), curve.places.len()));
         assert!(curve.single[0][0].0 < 4.0, "the runs are drawn from their own first");

@@ -57,7 +57,8 @@ pub(super) fn express(
     welded: &mut Welded,
     feet: [usize; 2],
     known: &Known,
-    (remarks, sink): (&mut Vec<String>, &mut Sink),
+    remarks: &mut Vec<String>,
+    sink: &mut Sink,
 ) -> Result<[usize; 2], Diagnostic> {
     let mut legs = Legs::of(welded, feet, known.fills);
     remarks.extend(impossible(&legs));
