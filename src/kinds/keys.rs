@@ -9,6 +9,7 @@ use crate::quantity::Dimension;
 use crate::robot::file;
 use crate::spec::section::Header;
 use crate::spec::typed::Keys as _;
+use crate::spec::marks::below;
 use crate::spec::value;
 use crate::spec::{Kind, Param, Presence, Shape, Ty};
 
@@ -152,10 +153,6 @@ fn add(param: &'static Param, path: &str, kinds: &[&'static str], keys: &mut Vec
         Some(key) => key.kinds.extend(kinds),
         None => keys.push(Key { path, kinds: kinds.to_vec(), param }),
     }
-}
-
-fn below(path: &str, key: &str) -> String {
-    if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
 }
 
 #[cfg(test)]

@@ -204,7 +204,10 @@ pub(super) fn scaled(number: &str, exponent: i32) -> Option<f64> {
         Some((mantissa, written)) => (mantissa, written.parse::<i32>().ok()?),
         None => (number.as_str(), 0),
     };
-    format!("{mantissa}e{}", written.checked_add(exponent)?).parse().ok()
+    match written.checked_add(exponent)? {
+        0 => mantissa.parse().ok(),
+        exponent => format!("{mantissa}e{exponent}").parse().ok(),
+    }
 }
 
 /// Parses the units, which begin at `start` of the whole text.

@@ -190,7 +190,7 @@ fn bare_or_quoted(key: &str) -> String {
 pub fn quoted(text: &str) -> String {
     let plain = |c: char| !escape::is_hidden(c) && !matches!(c, '"' | '\\' | '\'');
     if text.chars().all(plain) {
-        return format!("\"{text}\"");
+        return ["\"", text, "\""].concat();
     }
     escape::toml::string(text)
 }
