@@ -7,9 +7,9 @@ use super::vocabulary::vocabulary;
 use super::{motion, reference};
 use crate::quantity::Dimension;
 use crate::robot::file;
+use crate::spec::marks::below;
 use crate::spec::section::Header;
 use crate::spec::typed::Keys as _;
-use crate::spec::marks::below;
 use crate::spec::value;
 use crate::spec::{Kind, Param, Presence, Shape, Ty};
 

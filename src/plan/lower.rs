@@ -1,5 +1,6 @@
 //! Lowering: from arms to the graph. Stages with the same fingerprint become one node that the arms share.
 
+use crate::kinds::learn::Ppo;
 use crate::spec::section::{Header, Report};
 use crate::spec::typed::section_mut;
 use std::collections::{BTreeMap, BTreeSet};
@@ -147,7 +148,7 @@ impl Form {
 fn lower_arm(arm: &Arm, nodes: &mut Nodes, records: &mut Vec<ArmRecord>) -> Result<(), PlanError> {
     let mut origins = arm.origins.clone();
     if let Some(origin) = arm.runs.as_ref().and_then(|runs| runs.origin.clone()) {
-        origins.insert("learn.seed".into(), origin);
+        origins.insert(Ppo::seed.path(), origin);
     }
     let origins = Shared::from(origins);
     let mut forms: Vec<Form> = drafts(arm, &origins).into_iter().map(|draft| Form::of(arm, draft)).collect();

@@ -97,7 +97,7 @@ pub fn assumed_values_are_possible(
     };
     let number = claim.paper.as_ref().and_then(|paper| paper.number.as_ref());
     if number.is_some_and(|number| !range.contains(number.si)) {
-        report("paper.number", what, range);
+        report(&keys::Paper::number.path(), what, range);
     }
     let Some(_) = claim.effect.as_ref().filter(|effect| !range.contains(effect.si)) else { return true };
     report(keys::Claim::effect.name, what, range);

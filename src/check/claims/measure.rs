@@ -356,7 +356,8 @@ pub fn units(claim: &Claim, statistic: &StatisticKind, metric: &MetricKind, sink
     let spread = claim.spread.as_ref().map(|spread| (keys::Claim::spread.name, spread));
     let effect = claim.effect.as_ref().map(|effect| (keys::Claim::effect.name, effect));
     let number = claim.paper.as_ref().and_then(|paper| paper.number.as_ref());
-    let number = number.map(|number| ("paper.number", number));
+    let of_paper = keys::Paper::number.path();
+    let number = number.map(|number| (of_paper.as_str(), number));
     for (key, quantity) in [spread, effect, number].into_iter().flatten() {
         unit(claim, key, quantity, metric, measured, sink);
     }

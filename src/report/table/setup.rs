@@ -2,14 +2,23 @@
 
 use super::{Cell, Table};
 use crate::escape::markdown::code;
+use crate::kinds::action::{Action, Position};
 use crate::kinds::fine_tune;
-use crate::kinds::learn::ppo::in_whole_updates;
+use crate::kinds::learn::ppo::{SteeredRate, in_whole_updates};
+use crate::kinds::learn::{Learner, Ppo};
+use crate::kinds::physics::Physics;
+use crate::kinds::pretrain::{Lesson, Pretraining};
 use crate::kinds::randomize::{PER, Rows};
-use crate::kinds::task::Task;
+use crate::kinds::task::{Command, Task, Walk};
+use crate::kinds::terrain::Ground;
+use crate::kinds::terrain::height_field::HeightField;
 use crate::report::fields;
 use crate::report::model::{Arm, ReportInput};
 use crate::report::wording::{count, labels, number, value};
 use crate::robot::Support;
+use crate::spec::marks;
+use crate::spec::section;
+use crate::spec::typed::InSection;
 use crate::spec::value::KIND;
 use crate::spec::{Section, Table as Fields, Value};
 
@@ -24,8 +33,8 @@ pub const LINES: &[Line] = &[
     ("reference motion", motion),
     ("commanded speed", command),
     ("low-level law", law),
-    ("exploration std", |arm| field(arm, "action.std")),
-    ("delay of the command", |arm| field(arm, "action.delay")),
+    ("exploration std", |arm| field(arm, &Position::std.path())),
+    ("delay of the command", |arm| field(arm, &Position::delay.path())),
     ("rates", rates),
     ("randomization", randomization),
     ("pre-training", pretraining),
@@ -33,7 +42,7 @@ pub const LINES: &[Line] = &[
     ("share of the baseline's samples", scale),
     ("learner", learner),
     ("fine-tuning", fine_tuning),
-    ("seed", |arm| field(arm, "learn.seed")),
+    ("seed", |arm| field(arm, &Ppo::seed.path())),
 ];
 
 /// The setup table.
@@ -89,8 +98,13 @@ pub fn field(arm: &Arm, path: &str) -> Option<String> {
     lookup(arm, path).map(value)
 }
 
+/// The kind of a section.
+fn kind<Owner: InSection>(arm: &Arm) -> Option<String> {
+    field(arm, &marks::below(Owner::SECTION, KIND))
+}
+
 fn robot(arm: &Arm) -> Option<String> {
-    let Some(robot) = &arm.robot else { return field(arm, "robot.model") };
+    let Some(robot) = &arm.robot else { return field(arm, &section::Robot::model.path()) };
     Some(format!("{}, {} kg, {} joints", robot.name, number(robot.total_mass()), robot.joints()))
 }
 
@@ -107,31 +121,33 @@ fn stance(arm: &Arm) -> Option<String> {
 }
 
 fn task(arm: &Arm) -> Option<String> {
-    let episode = field(arm, "task.episode").map_or(String::new(), |text| format!(", episodes of {text}"));
-    field(arm, "task.kind").map(|kind| format!("{kind}{episode}"))
+    let episode =
+        field(arm, &Walk::episode.path()).map_or(String::new(), |text| format!(", episodes of {text}"));
+    kind::<Task>(arm).map(|kind| format!("{kind}{episode}"))
 }
 
 fn motion(arm: &Arm) -> Option<String> {
-    let name = field(arm, "task.motion")?;
+    let name = field(arm, &Walk::motion.path())?;
     let Some(motion) = &arm.motion else { return Some(name) };
     Some(format!("{name}: cycle {} s, {} m/s", number(motion.period), number(motion.speed)))
 }
 
 fn command(arm: &Arm) -> Option<String> {
-    field(arm, "task.command.speed")
+    field(arm, &Command::speed.below(&Walk::command.path()))
         .map(|text| format!("{text} m/s"))
         .map(|text| text.replace("m/s m/s", "m/s"))
 }
 
 fn law(arm: &Arm) -> Option<String> {
-    if arm.law.is_empty() { field(arm, "action.kind") } else { Some(format!("`{}`", arm.law)) }
+    if arm.law.is_empty() { kind::<Action>(arm) } else { Some(format!("`{}`", arm.law)) }
 }
 
 fn rates(arm: &Arm) -> Option<String> {
-    let policy = field(arm, "action.rate")?;
-    let servo = field(arm, "action.servo_rate").map_or(String::new(), |rate| format!(", servo {rate}"));
-    let physics = field(arm, "physics.rate").map_or(String::new(), |rate| format!(", physics {rate}"));
-    let engine = field(arm, "physics.engine").map_or(String::new(), |engine| format!(" in {engine}"));
+    let policy = field(arm, &Position::rate.path())?;
+    let servo =
+        field(arm, &Position::servo_rate.path()).map_or(String::new(), |rate| format!(", servo {rate}"));
+    let physics = field(arm, &Physics::rate.path()).map_or(String::new(), |rate| format!(", physics {rate}"));
+    let engine = field(arm, &Physics::engine.path()).map_or(String::new(), |engine| format!(" in {engine}"));
     Some(format!("policy {policy}{servo}{physics}{engine}"))
 }
 
@@ -167,15 +183,15 @@ fn randomization(arm: &Arm) -> Option<String> {
 }
 
 fn pretraining(arm: &Arm) -> Option<String> {
-    let kind = field(arm, "pretrain.kind")?.replace('_', " ");
+    let kind = kind::<Pretraining>(arm)?.replace('_', " ");
     let samples =
-        field(arm, "pretrain.samples").map_or(String::new(), |samples| format!(", {samples} samples"));
+        field(arm, &Lesson::samples.path()).map_or(String::new(), |samples| format!(", {samples} samples"));
     Some(format!("{kind}{samples}"))
 }
 
 /// The number of samples of the spec's first training.
 pub fn learning_samples(arm: &Arm) -> Option<u64> {
-    samples(arm, "learn.samples")
+    samples(arm, &Ppo::samples.path())
 }
 
 /// The total number of samples in the spec, including any fine-tuning.
@@ -185,24 +201,18 @@ pub fn budget_samples(arm: &Arm) -> Option<u64> {
 
 /// The same of a decoded spec.
 pub fn budget_of(fields: &Fields) -> Option<u64> {
-    let count = |section: &str, key: &str| match fields.get(section)? {
-        Value::Table(table) => table.get(key).and_then(|samples| match samples {
-            Value::Count(samples) => Some(*samples),
-            _ => None,
-        }),
-        _ => None,
-    };
-    let first = count("learn", "samples")?;
-    let first = count("learn", "stop_at").map_or(first, |stop| first.min(stop));
-    Some(first.saturating_add(count("fine_tune", "samples").unwrap_or(0)))
+    let fields = Section::new(fields);
+    let first = fields.at(Ppo::samples)?;
+    let first = fields.at(Ppo::stop_at).map_or(first, |stop| first.min(stop));
+    Some(first.saturating_add(fields.at(fine_tune::Ppo::samples).unwrap_or(0)))
 }
 
 /// The total number of samples that the trainings of a spec take: each ends after a whole update.
 pub fn trained_samples(arm: &Arm) -> Option<u64> {
-    let rollout = samples(arm, "learn.rollout")?;
-    let first = samples(arm, "learn.samples")?;
-    let first = samples(arm, "learn.stop_at").map_or(first, |stop| first.min(stop));
-    let tuning = samples(arm, "fine_tune.samples").unwrap_or(0);
+    let rollout = samples(arm, &Ppo::rollout.path())?;
+    let first = samples(arm, &Ppo::samples.path())?;
+    let first = samples(arm, &Ppo::stop_at.path()).map_or(first, |stop| first.min(stop));
+    let tuning = samples(arm, &fine_tune::Ppo::samples.path()).unwrap_or(0);
     Some(
         [first, tuning]
             .map(|samples| in_whole_updates(samples, rollout))
@@ -225,43 +235,42 @@ fn budget(arm: &Arm) -> Option<String> {
     let hours = arm
         .control_rate()
         .map_or(String::new(), |rate| format!(" = {} simulated hours", number(taken as f64 / rate / 3600.0)));
-    let whole = Some(taken).filter(|whole| *whole != all).zip(field(arm, "learn.rollout"));
+    let whole = Some(taken).filter(|whole| *whole != all).zip(field(arm, &Ppo::rollout.path()));
     let whole =
         whole.map_or(String::new(), |(whole, rollout)| format!(", {whole} in whole updates of {rollout}"));
-    let schedule = samples(arm, "learn.stop_at").and(learning_samples(arm)).filter(|whole| *whole > all);
+    let schedule = samples(arm, &Ppo::stop_at.path()).and(learning_samples(arm)).filter(|whole| *whole > all);
     let schedule =
         schedule.map_or(String::new(), |whole| format!(", the first of a schedule of {}", count(whole)));
-    let tuning = samples(arm, "fine_tune.samples")
+    let tuning = samples(arm, &fine_tune::Ppo::samples.path())
         .map_or(String::new(), |samples| format!(", {} of them fine-tuning", count(samples)));
     Some(format!("{} samples{whole}{hours}{schedule}{tuning}", count(all)))
 }
 
 /// The kind of ground of the fine-tuning, if it differs from that of the first training.
 pub fn other_ground(arm: &Arm) -> Option<String> {
-    let ground = lookup(arm, "fine_tune.terrain").filter(|ground| Some(*ground) != lookup(arm, "terrain"))?;
+    let ground = lookup(arm, &fine_tune::Ppo::terrain.path())
+        .filter(|ground| Some(*ground) != lookup(arm, Ground::SECTION))?;
     let Value::Table(ground) = ground else { return None };
     Some(Section::new(ground).kind()?.replace('_', " "))
 }
 
 /// `1 M samples on a height field`, and other differences from the first training.
 fn fine_tuning(arm: &Arm) -> Option<String> {
-    let samples = field(arm, "fine_tune.samples")?;
+    let samples = field(arm, &fine_tune::Ppo::samples.path())?;
     let ground = other_ground(arm).map_or(String::new(), |ground| format!(" on {ground}"));
-    let part =
-        |key: &str, word: &str| field(arm, &format!("fine_tune.{key}")).map(|text| format!("{word} {text}"));
-    let size =
-        |key: &str| field(arm, &format!("fine_tune.terrain.{key}")).map(|text| format!("{key} {text}"));
+    let part = |path: String, word: &str| field(arm, &path).map(|text| format!("{word} {text}"));
+    let terrain = fine_tune::Ppo::terrain.path();
     let weights = arm.section().at(fine_tune::Ppo::weights).map(|weights| {
         let terms = weights.iter().map(|(term, weight)| format!("`{term}` {}", number(*weight)));
         format!("weight of {}", terms.collect::<Vec<_>>().join(", "))
     });
     let parts = [
-        part("engine", "in"),
-        size("amplitude"),
-        size("cell"),
-        part("warm_up", "warm-up"),
-        part("std", "exploration std"),
-        part("learning_rate.kl_target", "KL target"),
+        part(fine_tune::Ppo::engine.path(), "in"),
+        part(HeightField::amplitude.below(&terrain), "amplitude"),
+        part(HeightField::cell.below(&terrain), "cell"),
+        part(fine_tune::Ppo::warm_up.path(), "warm-up"),
+        part(fine_tune::Ppo::std.path(), "exploration std"),
+        part(SteeredRate::kl_target.below(&fine_tune::Ppo::learning_rate.path()), "KL target"),
         weights,
     ];
     let rest: Vec<String> = parts.into_iter().flatten().collect();
@@ -273,13 +282,13 @@ fn scale(arm: &Arm) -> Option<String> {
 }
 
 fn learner(arm: &Arm) -> Option<String> {
-    let kind = field(arm, "learn.kind")?;
-    let part = |path: &str, word: &str| field(arm, path).map(|text| format!("{word} {text}"));
+    let kind = kind::<Learner>(arm)?;
+    let part = |path: String, word: &str| field(arm, &path).map(|text| format!("{word} {text}"));
     let parts = [
-        part("learn.environments", "environments"),
-        part("learn.rollout", "rollout"),
-        part("learn.minibatch", "minibatch"),
-        part("learn.epochs", "epochs"),
+        part(Ppo::environments.path(), "environments"),
+        part(Ppo::rollout.path(), "rollout"),
+        part(Ppo::minibatch.path(), "minibatch"),
+        part(Ppo::epochs.path(), "epochs"),
     ];
     Some([Some(kind)].into_iter().chain(parts).flatten().collect::<Vec<_>>().join(", "))
 }
