@@ -34,8 +34,7 @@ pub struct Arm {
 pub struct Request {
     /// The spec's path as given.
     pub spec: String,
-    /// Its path relative to the project, however it was given; empty in plans of earlier versions.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
+    /// Its path relative to the project, however it was given.
     pub place: String,
     /// The profile, if any.
     pub profile: Option<String>,

@@ -64,7 +64,7 @@ pub fn request(plan: &Plan) -> Request {
     let options = plan.arms.first().map(|arm| arm.request.clone()).unwrap_or_default();
     Request {
         files: named().map(|request| request.spec.clone()).collect(),
-        specs: named().map(|request| request.place.clone()).filter(|place| !place.is_empty()).collect(),
+        specs: named().map(|request| request.place.clone()).collect(),
         profile: options.profile,
         set: options.assignments,
         allow_outside: options.outside,

@@ -14,7 +14,7 @@ pub const UNKNOWN: &str = "`specforge report SPEC` with the `--profile` and `--s
 /// named if the command would not write there. `None` if the record names no files.
 pub fn render_command(record: &Sidecar, below: &Path) -> Option<String> {
     let request = &record.request;
-    let place = request.places().first()?;
+    let place = request.specs.first()?;
     let command = request.command("report");
     if real(below) == real(&Path::new("reports").join(page_folder(place))) {
         return Some(command);
@@ -36,16 +36,13 @@ mod tests {
     #[test]
     fn the_command_has_the_options_of_the_run_and_the_folder_of_the_page() {
         let request = Request {
-            specs: vec!["specs/a/b.toml".to_owned()],
             set: vec!["x.y=\"5 %\"".to_owned()],
             ..Request::for_spec("specs/a/b.toml", Some("desk"))
         };
         let record = |request| Sidecar { request, ..Sidecar::default() };
         let report = "specforge report specs/a/b.toml --profile desk --set 'x.y=\"5 %\"'";
-        let own = record(request.clone());
+        let own = record(request);
         assert_eq!(render_command(&own, Path::new("reports/a")).as_deref(), Some(report));
-        let without = record(Request { specs: Vec::new(), ..request });
-        assert_eq!(render_command(&without, Path::new("reports/a")).as_deref(), Some(report));
         let elsewhere = format!("{report} --reports 'my pages'");
         assert_eq!(render_command(&own, Path::new("my pages")), Some(elsewhere));
         assert_eq!(render_command(&record(Request::default()), Path::new("reports")), None);

@@ -13,7 +13,6 @@ pub struct Request {
     /// The specs as the user named them.
     pub files: Vec<String>,
     /// Their paths in the project.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub specs: Vec<String>,
     /// The profile, if one was chosen.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -27,9 +26,10 @@ pub struct Request {
 }
 
 impl Request {
-    /// The request for one spec or suite.
+    /// The request for one spec or suite, by its path in the project.
     pub fn for_spec(file: &str, profile: Option<&str>) -> Self {
-        Self { files: vec![file.to_owned()], profile: profile.map(str::to_owned), ..Self::default() }
+        let (files, specs) = (vec![file.to_owned()], vec![file.to_owned()]);
+        Self { files, specs, profile: profile.map(str::to_owned), ..Self::default() }
     }
 
     /// Whether there is nothing to run: the record says no file.
@@ -46,16 +46,6 @@ impl Request {
         words.extend(self.allow_outside.iter().flat_map(|folder| ["--allow-outside", folder]));
         // A record may have been written by anyone, even with a zero byte, which no shell takes.
         Quoter::new().allow_nul(true).join(words).unwrap_or_default()
-    }
-
-    /// Whether it says where all files are in the project. A plan of an earlier version does not.
-    pub fn has_places(&self) -> bool {
-        self.specs.len() == self.files.len()
-    }
-
-    /// The paths of the files in the project if they are known, and else as the user named them.
-    pub fn places(&self) -> &[String] {
-        if self.has_places() { &self.specs } else { &self.files }
     }
 
     /// The paths of the files.

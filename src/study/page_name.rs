@@ -159,10 +159,7 @@ fn is_same_spec(record: &Sidecar, study: &Study) -> bool {
     if others || recorded.files.len() != present.files.len() {
         return false;
     }
-    let same_places = match recorded.has_places() && present.has_places() {
-        true => recorded.specs == present.specs,
-        false => pairs().all(|(recorded, present)| is_same_file(recorded, present, &study.project)),
-    };
+    let same_places = recorded.specs == present.specs;
     // A spec that was moved; a suite with other claims is another one.
     same_places || has_same_values(record, plan) && has_same_claims(record, plan)
 }
@@ -218,7 +215,7 @@ fn budget_words(record: &Sidecar) -> String {
 /// gives other digits, for when those are taken.
 fn digest(plan: &Plan, request: &Request, number: u32) -> String {
     let mut hasher = blake3::Hasher::new();
-    for place in request.places() {
+    for place in &request.specs {
         hasher.update(place.as_bytes()).update(&[0]);
     }
     hasher.update(format!("{:?}{:?}{:?}", request.profile, request.set, budgets_of(plan)).as_bytes());
