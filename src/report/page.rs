@@ -12,7 +12,7 @@ use super::no_curve;
 use super::policies;
 use super::question::question;
 use super::suite::{self, page::SuitePage};
-use super::table::{Table, endings, evaluation, health, learning, setup};
+use super::table::{Table, Tables, endings, evaluation, health, learning, setup, with_rows};
 use super::warning::warnings;
 use super::wording::{commit, labels};
 use super::{glance, provenance};
@@ -51,7 +51,7 @@ pub struct Page {
     pub figures: Figures,
     /// The copies of the exported policies.
     pub policies: Vec<PolicyPage>,
-    /// Why there is no figure of learning curves; empty if there is one.
+    /// The reason for a missing figure of learning curves; empty if the page has the figure.
     pub no_learning_curve: String,
     /// The suite; empty for other reports.
     pub suite: SuitePage,
@@ -95,60 +95,6 @@ pub struct ArmPage {
     pub spec: String,
     /// Its low-level law.
     pub law: String,
-}
-
-/// The tables; those without data have no rows.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Tables {
-    /// The answer in numbers: one row per policy and engine, or one per claim of a suite.
-    pub at_a_glance: Table,
-    /// The setup; of a suite what all arms have in common.
-    pub setup: Table,
-    /// Differences between the arms, each table with a note that introduces it.
-    pub differences: Vec<Table>,
-    /// Learning in numbers.
-    pub learning: Table,
-    /// The same for the fine-tuning.
-    pub fine_tuning: Table,
-    /// Findings of the run-time checks during training.
-    pub health: Table,
-    /// Why training episodes ended.
-    pub endings: Table,
-    /// Whether the criteria of the task are met; not of a suite.
-    pub criteria: Table,
-    /// All metrics. Of single specs in every engine, then the first arm compared with each of the others, and
-    /// the reward per second by term. Of a suite one table for each evaluation, with one row per arm, then
-    /// the interquartile means.
-    pub evaluations: Vec<Table>,
-    /// Evaluations of a suite over parameter sets: survival, arms compared on the same sets, and why sets
-    /// fail.
-    pub failures: Vec<Table>,
-    /// Wall and CPU time.
-    pub cost: Table,
-    /// Figures and tables with the stages they are made from; not of a suite.
-    pub provenance: Table,
-    /// The stages; not of a suite.
-    pub stages: Table,
-}
-
-impl Tables {
-    /// All of them in the order of the page.
-    pub fn all(&self) -> Vec<&Table> {
-        let mut tables = vec![&self.at_a_glance, &self.criteria, &self.setup];
-        tables.extend(&self.differences);
-        tables.extend(self.measured());
-        tables.extend([&self.cost, &self.provenance, &self.stages]);
-        tables
-    }
-
-    /// Those of training and evaluation that have rows.
-    fn measured(&self) -> Vec<&Table> {
-        let mut tables = vec![&self.learning, &self.health, &self.endings, &self.fine_tuning];
-        tables.extend(&self.evaluations);
-        tables.extend(&self.failures);
-        tables.retain(|table| !table.rows.is_empty());
-        tables
-    }
 }
 
 /// A figure as a template sees it.
@@ -217,7 +163,8 @@ impl Page {
             health: health::sentences(input),
             arms: if of_suite { Vec::new() } else { arms(input) },
             tables: if of_suite {
-                Tables { at_a_glance: glance::of_claims(&judged), ..suite::page::tables(input) }
+                let (at_a_glance, cost) = (glance::of_claims(&judged), provenance::sum(input));
+                Tables { at_a_glance, cost, ..suite::page::tables(input) }
             } else {
                 tables(input, figures)
             },
@@ -292,12 +239,6 @@ fn tables(input: &ReportInput, figures: &[Figure]) -> Tables {
     let mut measured = tables.measured();
     measured.push(&tables.criteria);
     tables.provenance = provenance::items(input, figures, &measured);
-    tables
-}
-
-/// The tables that have rows.
-pub fn with_rows(mut tables: Vec<Table>) -> Vec<Table> {
-    tables.retain(|table| !table.rows.is_empty());
     tables
 }
 

@@ -7,7 +7,7 @@ use shlex::Quoter;
 
 use crate::spec::LoadOptions;
 
-/// The files and options of a command. The page prints it as a command; its record keeps it as it is here.
+/// The files and options of a command. The page prints the command, its record stores this.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Request {
     /// The specs as the user named them.

@@ -7,7 +7,7 @@ use super::group::groups;
 use super::model::{Arm, Measured, ReportInput};
 use super::table::conditions::conditions;
 use super::verdict::judge;
-use super::wording::{arm_in_words, labels};
+use super::wording::{arm_in_words, labels, listed};
 use crate::outcome::Evaluation;
 
 /// Most arms that are listed by name.
@@ -148,13 +148,43 @@ pub fn paragraph(records: &[TaskRecord]) -> Option<String> {
         ""
     };
     let verb = if failed == 1 { "has" } else { "have" };
-    let told: Vec<String> = failing.iter().take(NAMED).map(|record| record.sentence()).collect();
-    let more = failing.len().saturating_sub(NAMED);
+    let by_arm: Vec<&[&TaskRecord]> = failing.chunk_by(|one, next| one.arm == next.arm).collect();
+    let told: Vec<String> = by_arm.iter().take(NAMED).map(|records| of_one_arm(records)).collect();
+    let more = by_arm.len().saturating_sub(NAMED);
     let more = if more > 0 { format!("; and {more} more") } else { String::new() };
     Some(format!(
         "**{failed} of {arms} arms {verb} policies that do not do their task.**{whole} {}{more}.",
         told.join("; ")
     ))
+}
+
+/// What the failing policies of one arm do not do: in one evaluation a sentence about it, in several
+/// `g1, torque: policies do not run in v60 (1 of 3, seed 1) and v80 (3 of 3) (not met: ...)`.
+fn of_one_arm(records: &[&TaskRecord]) -> String {
+    let [first, _, ..] = records else {
+        return records.iter().map(|record| record.sentence()).collect();
+    };
+    let stem = first.verb.strip_suffix('s').unwrap_or(&first.verb);
+    let place = |record: &&TaskRecord| {
+        let share = format!("{} of {}", record.failing, record.policies);
+        let seeds = record.seeds_in_words();
+        let seeds = seeds.trim_matches([' ', '(', ')']);
+        let seeds = if seeds.is_empty() { String::new() } else { format!(", {seeds}") };
+        format!("`{}` ({share}{seeds})", record.stage)
+    };
+    let places: Vec<String> = records.iter().map(place).collect();
+    let mut missed: Vec<&str> = Vec::new();
+    for criterion in records.iter().flat_map(|record| &record.missed) {
+        if !missed.contains(&criterion.as_str()) {
+            missed.push(criterion);
+        }
+    }
+    format!(
+        "{}: policies do not {stem} in {} (not met: {})",
+        arm_in_words(&first.arm),
+        listed(&places),
+        missed.join("; ")
+    )
 }
 
 /// Number of episodes that the engine ended because the simulation diverged (NaN, infinity or absurd values).
@@ -293,6 +323,14 @@ mod tests {
         });
         assert_eq!(record(1, &[2]).brief(), expected);
         assert_eq!(failing(&[record(0, &[]), record(1, &[2])]).count(), 1);
+        let elsewhere = TaskRecord { stage: "deploy.mujoco".to_owned(), ..record(3, &[]) };
+        assert_eq!(
+            paragraph(&[record(1, &[2]), elsewhere]).as_deref(),
+            Some(
+                "**1 of 1 arms has policies that do not do their task.** torque: policies do not walk in \
+                 `evaluate.nominal` (1 of 3, seed 2) and `deploy.mujoco` (3 of 3) (not met: is fast)."
+            )
+        );
         let many: Vec<TaskRecord> =
             (0..10).map(|index| TaskRecord { arm: format!("arm={index}"), ..record(3, &[]) }).collect();
         let told = paragraph(&many).expect("all fail");

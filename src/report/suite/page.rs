@@ -9,9 +9,7 @@ use crate::plan::Training;
 use crate::report::failures;
 use crate::report::group::{Group, groups, varying};
 use crate::report::model::ReportInput;
-use crate::report::page::{Tables, with_rows};
-use crate::report::provenance;
-use crate::report::table::{endings, health};
+use crate::report::table::{Tables, endings, health, with_rows};
 use crate::report::tasks;
 use crate::report::wording::arm_in_words;
 use crate::statistics::summary::mean;
@@ -63,7 +61,7 @@ impl SuitePage {
     }
 }
 
-/// The tables of a suite's report, but for its claims.
+/// The tables of a suite's report, but for those of its claims and its cost.
 pub fn tables(input: &ReportInput) -> Tables {
     let groups = groups(input);
     let axes: Vec<&str> = varying(input, &groups).iter().map(|(name, _)| *name).collect();
@@ -80,7 +78,6 @@ pub fn tables(input: &ReportInput) -> Tables {
         endings: endings::of_groups(&groups),
         evaluations: with_rows(evaluations),
         failures: failures::told(&groups).0,
-        cost: provenance::sum(input),
         ..Tables::default()
     }
 }

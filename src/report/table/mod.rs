@@ -5,12 +5,15 @@ pub mod endings;
 pub mod evaluation;
 pub mod health;
 pub mod learning;
+mod page;
 pub mod setup;
 
 use serde::{Deserialize, Serialize};
 
 use super::estimate::Estimate;
 use super::source::Source;
+
+pub use page::{Tables, with_rows};
 
 /// A table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
