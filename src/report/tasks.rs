@@ -90,6 +90,14 @@ impl TaskRecord {
 }
 
 impl TaskRecord {
+    /// `2 of 3, seeds 1, 3`
+    fn share(&self) -> String {
+        let seeds = self.seeds_in_words();
+        let seeds = seeds.trim_matches([' ', '(', ')']);
+        let seeds = if seeds.is_empty() { String::new() } else { format!(", {seeds}") };
+        format!("{} of {}{seeds}", self.failing, self.policies)
+    }
+
     /// ` (seeds 1, 3)`; empty if all fail or if the seeds are unknown.
     fn seeds_in_words(&self) -> String {
         let seeds: Vec<String> = self.seeds.iter().map(u64::to_string).collect();
@@ -159,20 +167,23 @@ pub fn paragraph(records: &[TaskRecord]) -> Option<String> {
 }
 
 /// What the failing policies of one arm do not do: in one evaluation a sentence about it, in several
-/// `g1, torque: policies do not run in v60 (1 of 3, seed 1) and v80 (3 of 3) (not met: ...)`.
+/// `g1, torque: policies do not run in v60 and v80 (1 of 3, seed 1) and in v100 (3 of 3) (not met: ...)`.
 fn of_one_arm(records: &[&TaskRecord]) -> String {
     let [first, _, ..] = records else {
         return records.iter().map(|record| record.sentence()).collect();
     };
     let stem = first.verb.strip_suffix('s').unwrap_or(&first.verb);
-    let place = |record: &&TaskRecord| {
-        let share = format!("{} of {}", record.failing, record.policies);
-        let seeds = record.seeds_in_words();
-        let seeds = seeds.trim_matches([' ', '(', ')']);
-        let seeds = if seeds.is_empty() { String::new() } else { format!(", {seeds}") };
-        format!("`{}` ({share}{seeds})", record.stage)
-    };
-    let places: Vec<String> = records.iter().map(place).collect();
+    // Evaluations in which the same policies fail are named together.
+    let mut places: Vec<(String, Vec<String>)> = Vec::new();
+    for record in records {
+        let (share, stage) = (record.share(), format!("`{}`", record.stage));
+        match places.iter_mut().find(|(known, _)| *known == share) {
+            Some((_, stages)) => stages.push(stage),
+            None => places.push((share, vec![stage])),
+        }
+    }
+    let places: Vec<String> =
+        places.iter().map(|(share, stages)| format!("{} ({share})", listed(stages))).collect();
     let mut missed: Vec<&str> = Vec::new();
     for criterion in records.iter().flat_map(|record| &record.missed) {
         if !missed.contains(&criterion.as_str()) {
@@ -182,7 +193,7 @@ fn of_one_arm(records: &[&TaskRecord]) -> String {
     format!(
         "{}: policies do not {stem} in {} (not met: {})",
         arm_in_words(&first.arm),
-        listed(&places),
+        places.join(" and in "),
         missed.join("; ")
     )
 }
@@ -328,7 +339,7 @@ mod tests {
             paragraph(&[record(1, &[2]), elsewhere]).as_deref(),
             Some(
                 "**1 of 1 arms has policies that do not do their task.** torque: policies do not walk in \
-                 `evaluate.nominal` (1 of 3, seed 2) and `deploy.mujoco` (3 of 3) (not met: is fast)."
+                 `evaluate.nominal` (1 of 3, seed 2) and in `deploy.mujoco` (3 of 3) (not met: is fast)."
             )
         );
         let many: Vec<TaskRecord> =
