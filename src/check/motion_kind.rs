@@ -6,7 +6,9 @@ use crate::kinds::motion::{run_gait::RunGait, squat::Squat, walk::Walk};
 use crate::kinds::task::run::Run;
 use crate::kinds::task::squat::Squat as SquatTask;
 use crate::kinds::task::walk::Walk as WalkTask;
-use crate::spec::typed::Declared;
+use crate::spec::marks;
+use crate::spec::typed::{Declared, InSection};
+use crate::spec::value::KIND;
 use crate::spec::{Section, Table};
 
 /// The kinds of motions and the tasks that they are for. A clip is a recording of anything.
@@ -34,7 +36,7 @@ pub fn motions_are_of_the_task(subject: &Subject, file: Option<&Table>, sink: &m
     if let Some(place) = subject.place(&WalkTask::motion.path()) {
         diagnostic = diagnostic.at(place, "its contacts and speed are those of another gait");
     }
-    if let Some(place) = subject.place("task.kind") {
+    if let Some(place) = subject.place(&marks::below(WalkTask::SECTION, KIND)) {
         diagnostic = diagnostic.note(place, "the task");
     }
     let fitting = OF_TASK.iter().find(|(_, own)| *own == task).map_or("", |(motion, _)| *motion);

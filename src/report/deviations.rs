@@ -1,6 +1,7 @@
 //! Deviations from the baseline: those that spec and baseline declare, and the keys whose values differ,
 //! described by the keys' own documentation.
 
+use crate::kinds::learn::Ppo;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::model::ReportInput;
@@ -25,9 +26,6 @@ const NOT_COMPARED: [&str; 7] = [
     Evaluation::SECTION,
     Deployment::SECTION,
 ];
-
-/// Not compared either: an experiment has several seeds.
-const SEED: &str = "learn.seed";
 
 /// Sentences: what the spec declares, what its baselines declare, and the differences by key.
 pub fn sentences(input: &ReportInput) -> Vec<String> {
@@ -147,7 +145,8 @@ impl Comparison<'_> {
         let keys: BTreeSet<&String> = left.keys().chain(right.keys()).collect();
         for key in keys {
             let below = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
-            if path.is_empty() && NOT_COMPARED.contains(&key.as_str()) || below == SEED {
+            // The seed is not compared either: an experiment has several.
+            if path.is_empty() && NOT_COMPARED.contains(&key.as_str()) || below == Ppo::seed.path() {
                 continue;
             }
             match (left.get(key), right.get(key)) {

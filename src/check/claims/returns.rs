@@ -21,9 +21,6 @@ use crate::spec::typed::InSection;
 use crate::spec::value::canonical_table;
 use crate::spec::{Section, Table};
 
-/// The key of the control rate.
-const RATE: &str = "action.rate";
-
 /// W0510, for the claim's first pair of arms that differ.
 pub fn measure_the_same(claim: &Claim, metric: &MetricKind, scope: &Scope, cases: &[Case], sink: &mut Sink) {
     if metric.sums == Sums::Nothing {
@@ -41,7 +38,7 @@ pub fn measure_the_same(claim: &Claim, metric: &MetricKind, scope: &Scope, cases
         listed(keys.iter().map(String::as_str))
     );
     let warning = at(claim, MetricPath::NAME, Diagnostic::warning("W0510", message), "not the same sum");
-    let help = match keys.iter().all(|key| key == RATE) {
+    let help = match keys.iter().all(|key| *key == Position::rate.path()) {
         true => {
             "compare by `learn.final_return_time`, or compare what the robot does, for example \
              `evaluate.NAME.survival`"
@@ -139,7 +136,7 @@ fn differences(arms: [&Table; 2], with_rate: bool) -> Vec<String> {
         .chain(theirs.iter().filter(|term| !ours.contains(term)));
     let mut keys: Vec<String> = lone.map(|(name, _)| format!("reward.{name}")).collect();
     let rate = |spec: Section| spec.at(Position::rate);
-    keys.extend((with_rate && rate(a) != rate(b)).then(|| RATE.to_owned()));
+    keys.extend((with_rate && rate(a) != rate(b)).then(|| Position::rate.path()));
     keys.sort();
     keys.dedup();
     keys

@@ -8,8 +8,10 @@ use crate::cli::specs::{self, Variant};
 use crate::cli::{Exit, Global, interruption, output};
 use crate::env::Blueprint;
 use crate::kinds::motion::{self, clip::Clip};
+use crate::kinds::physics::Physics;
 use crate::sim::{ENGINES, INSTRUCTIONS};
 use crate::spec::Section;
+use crate::spec::section::Robot;
 
 /// Arguments of `bench`.
 #[derive(Debug, clap::Args)]
@@ -41,8 +43,11 @@ impl Options {
     /// The spec's variant with the requested robot, engine and rate.
     fn variant(&self) -> Variant {
         let mut variant = self.variant.clone();
-        let wishes =
-            [("robot.model", &self.robot), ("physics.engine", &self.engine), ("physics.rate", &self.rate)];
+        let wishes = [
+            (Robot::model.path(), &self.robot),
+            (Physics::engine.path(), &self.engine),
+            (Physics::rate.path(), &self.rate),
+        ];
         let wishes = wishes.into_iter().filter_map(|(path, wish)| Some(format!("{path}={}", wish.as_ref()?)));
         variant.sets.extend(wishes);
         variant

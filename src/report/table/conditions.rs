@@ -3,6 +3,7 @@
 use super::setup::{drawn, lookup, other_ground};
 use crate::kinds::evaluate::{Setting, Spread};
 use crate::kinds::fine_tune::{FineTuning, Trained};
+use crate::kinds::task::Walk;
 use crate::kinds::terrain::Ground;
 use crate::kinds::terrain::flat::Flat;
 use crate::outcome::Evaluation;
@@ -42,7 +43,7 @@ pub fn variations(arm: &Arm, stage: &str) -> Option<String> {
     let perturbation = perturbation
         .filter(|own| canonical(own) != usual(Spread::perturbation.name).as_ref().and_then(canonical));
     let limit = table.get(Setting::time_limit.name);
-    let episode = lookup(arm, "task.episode");
+    let episode = lookup(arm, &Walk::episode.path());
     let limit = limit.filter(|own| episode.is_some_and(|episode| canonical(own) != canonical(episode)));
     let is_on = |key: &str| matches!(table.get(key), Some(Value::Flag(true)));
     let parts = [
