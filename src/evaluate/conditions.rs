@@ -1,12 +1,12 @@
 //! Conditions of an evaluation's episodes for each kind of protocol: commanded speeds and parameter sets.
 
-use crate::spec::value::KIND;
 use std::collections::BTreeMap;
 
 use crate::env::Randomized;
 use crate::kinds::evaluate::parameter_sets::Sampling;
 use crate::kinds::evaluate::{Evaluation, ParameterSets, Speeds};
 use crate::kinds::randomize;
+use crate::spec::value::KIND;
 use crate::spec::{Quantity, Table, Value};
 use crate::stream::Stream;
 

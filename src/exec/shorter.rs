@@ -3,8 +3,6 @@
 //! bit-identical to an uninterrupted training, so the shorter one is not an input and is not part of the
 //! longer one's fingerprint.
 
-use crate::kinds::learn::{Learner, Ppo};
-use crate::spec::typed::InSection as _;
 use std::fs;
 use std::path::Path;
 
@@ -15,9 +13,11 @@ use super::fault::StoreError;
 use super::manifest::{self, Depth};
 use super::store::Store;
 use super::strays;
+use crate::kinds::learn::{Learner, Ppo};
 use crate::learn::beside;
 use crate::learn::checkpoint::Checkpoint;
 use crate::plan::{Cached, Fingerprint, Recipe, Stage, StageKind};
+use crate::spec::typed::InSection as _;
 use crate::{bounded, finite, safe_fs};
 
 /// Records which shorter training was continued; next to the checkpoint and in the longer one's artefact.

@@ -1,8 +1,5 @@
 //! Lowering: from arms to the graph. Stages with the same fingerprint become one node that the arms share.
 
-use crate::kinds::learn::Ppo;
-use crate::spec::section::{Header, Report};
-use crate::spec::typed::section_mut;
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::json;
@@ -17,6 +14,9 @@ use super::shared::Shared;
 use super::stage::{self, StageKind};
 use super::suite::{self, SuiteRecord};
 use super::{neutral, revision};
+use crate::kinds::learn::Ppo;
+use crate::spec::section::{Header, Report};
+use crate::spec::typed::section_mut;
 use crate::spec::{Table, Value};
 
 /// The field of the report's stage with the arms, in the order of its columns.

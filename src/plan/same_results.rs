@@ -2,8 +2,6 @@
 //! arms of a suite may differ in values that the stage of a claim never reads; both then have the same
 //! result.
 
-use crate::spec::section::{Header, Report};
-use crate::spec::typed::InSection as _;
 use std::collections::BTreeMap;
 
 use super::draft::Training;
@@ -15,7 +13,9 @@ use crate::kinds::action::Action;
 use crate::kinds::task::Task;
 use crate::spec::claim::cases::twin;
 use crate::spec::claim::{Case, Claim, Over, Points, cases, keys};
+use crate::spec::section::{Header, Report};
 use crate::spec::suggest::listed;
+use crate::spec::typed::InSection as _;
 use crate::spec::{Section, Table, Value};
 
 /// Largest number of differing keys that a message names.

@@ -5,12 +5,6 @@
 //! not get different results. So the arms are lowered again from what only they contain, and the whole result
 //! is compared with the file.
 
-use super::draft::MOTION;
-use super::lower::{ARMS, BASELINES};
-use crate::kinds::learn::Ppo;
-use crate::spec::claim::keys::Claim as ClaimKeys;
-use crate::spec::section::Header;
-use crate::spec::typed::InSection as _;
 use std::collections::BTreeMap;
 
 use serde::de::Error;
@@ -19,14 +13,20 @@ use serde_json::Value as Json;
 
 use super::arm::{Arm, Runs};
 use super::digests::{self, Digests};
+use super::draft::MOTION;
 use super::error::PlanError;
 use super::fingerprint::{Fingerprint, canonical_json};
 use super::graph::{ArmRecord, Plan, Stage};
+use super::lower::{ARMS, BASELINES};
 use super::lower::{ReportSource, ReportedSuite, lower};
 use super::stage::StageKind;
 use super::suite::{RunRecord, SuiteRecord};
 use super::{alike, revision, stage};
+use crate::kinds::learn::Ppo;
+use crate::spec::claim::keys::Claim as ClaimKeys;
+use crate::spec::section::Header;
 use crate::spec::suite::product::arm_name;
+use crate::spec::typed::InSection as _;
 use crate::spec::{Table, Value};
 
 /// The code of the errors that name what was edited.

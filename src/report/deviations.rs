@@ -1,7 +1,6 @@
 //! Deviations from the baseline: those that spec and baseline declare, and the keys whose values differ,
 //! described by the keys' own documentation.
 
-use crate::kinds::learn::Ppo;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::model::ReportInput;
@@ -9,6 +8,7 @@ use super::wording;
 use crate::kinds::deploy::Deployment;
 use crate::kinds::evaluate::Evaluation;
 use crate::kinds::keys::{self, Key};
+use crate::kinds::learn::Ppo;
 use crate::kinds::reference;
 use crate::kinds::vocabulary::vocabulary;
 use crate::spec::section::{Header, Report};

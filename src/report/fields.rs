@@ -1,10 +1,10 @@
 //! The values of a decoded spec by path, and where they differ between arms.
 
-use crate::spec::section::{Header, Report};
-use crate::spec::typed::InSection as _;
 use std::borrow::Borrow;
 
 use super::model::Arm;
+use crate::spec::section::{Header, Report};
+use crate::spec::typed::InSection as _;
 use crate::spec::{Table, Value};
 
 /// A value of a spec and its path, for example `learn.policy.hidden`.

@@ -82,7 +82,8 @@ impl TaskRecord {
             1 => format!("the policy does not {stem}"),
             _ => {
                 let verb = if *failing == 1 { "does" } else { "do" };
-                format!("{failing} of {policies} policies{} {verb} not {stem}", self.seeds_in_words())
+                let seeds = self.seeds_in_words().map_or(String::new(), |seeds| format!(" ({seeds})"));
+                format!("{failing} of {policies} policies{seeds} {verb} not {stem}")
             }
         };
         format!("{}: {who} in `{stage}` (not met: {})", arm_in_words(arm), missed.join("; "))
@@ -92,21 +93,18 @@ impl TaskRecord {
 impl TaskRecord {
     /// `2 of 3, seeds 1, 3`
     fn share(&self) -> String {
-        let seeds = self.seeds_in_words();
-        let seeds = seeds.trim_matches([' ', '(', ')']);
-        let seeds = if seeds.is_empty() { String::new() } else { format!(", {seeds}") };
+        let seeds = self.seeds_in_words().map_or(String::new(), |seeds| format!(", {seeds}"));
         format!("{} of {}{seeds}", self.failing, self.policies)
     }
 
-    /// ` (seeds 1, 3)`; empty if all fail or if the seeds are unknown.
-    fn seeds_in_words(&self) -> String {
+    /// `seeds 1, 3`; `None` if all policies fail or if the seeds are unknown.
+    fn seeds_in_words(&self) -> Option<String> {
+        if self.seeds.is_empty() || self.fails() {
+            return None;
+        }
         let seeds: Vec<String> = self.seeds.iter().map(u64::to_string).collect();
         let plural = if seeds.len() == 1 { "" } else { "s" };
-        if seeds.is_empty() || self.fails() {
-            String::new()
-        } else {
-            format!(" (seed{plural} {})", seeds.join(", "))
-        }
+        Some(format!("seed{plural} {}", seeds.join(", ")))
     }
 }
 

@@ -1,8 +1,8 @@
 //! The profiles of a spec: overlays chosen on the command line, which may extend one another.
 
-use super::section::Header;
 use std::collections::BTreeMap;
 
+use super::section::Header;
 use super::suggest::{listed, nearest};
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::syntax::{Entry, Item, Layer, Map, Node};

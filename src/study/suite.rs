@@ -1,8 +1,5 @@
 //! From a suite's file to its plan: every arm is checked and lowered; what arms share is stored once.
 
-use crate::spec::claim::keys;
-use crate::spec::section::Header;
-use crate::spec::typed::InSection as _;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -18,7 +15,10 @@ use crate::plan::{
     neutral, same_results,
 };
 use crate::robot::Robot;
+use crate::spec::claim::keys;
+use crate::spec::section::Header;
 use crate::spec::suite::{Axis, ClaimPolicy, Suite};
+use crate::spec::typed::InSection as _;
 use crate::spec::{Claim, LoadOptions, Section, Table, Value};
 
 /// Loads and checks a suite; `Err` if it has errors.

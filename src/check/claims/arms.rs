@@ -274,7 +274,11 @@ fn trouble(
         Some(Over::Mean) if repeats(cases) => {
             let help = "the mean over arms takes each arm once: name the axis on which one side varies, or \
                 write `over = \"each\"`";
-            Some((keys::Claim::over.name, several().help(help), "one arm stands in several".to_owned()))
+            Some((
+                keys::Claim::over.name,
+                several().help(help),
+                "one arm is in several comparisons".to_owned(),
+            ))
         }
         _ => None,
     }
