@@ -21,6 +21,8 @@ pub mod outcome;
 
 pub mod robot;
 
+pub mod sim;
+
 pub mod kinds;
 
 pub mod statistics;
@@ -35,8 +37,6 @@ pub mod scaffold;
 pub mod plan;
 
 pub mod seal;
-
-pub mod sim;
 
 pub mod control;
 

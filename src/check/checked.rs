@@ -16,6 +16,7 @@ use crate::kinds::motion::clip::Clip;
 use crate::robot::{self, Robot, stated};
 use crate::spec::decode::{self, Decoded};
 use crate::spec::family::Family;
+use crate::spec::section::Report;
 use crate::spec::suite::Arm;
 use crate::spec::{
     Attachment, Experiment, LoadOptions, Loaded, Reach, Section, Table, Value, Vocabulary, allow, section,
@@ -214,7 +215,7 @@ fn find_compared(experiment: &Experiment, files: &dyn Files, sink: &mut Sink) {
     };
     let own = files.identity(&experiment.path);
     for (index, path) in experiment.compare.iter().enumerate() {
-        let mark = experiment.marks.nearest(&format!("report.compare.{index}"));
+        let mark = experiment.marks.nearest(&Report::compared(index));
         // A list that several specs inherit may name each of them.
         let is_own = mark.is_some_and(|mark| mark.value.source == experiment.source);
         if let Some(mark) = mark.filter(|_| is_own && files.identity(path) == own) {
@@ -227,7 +228,7 @@ fn find_compared(experiment: &Experiment, files: &dyn Files, sink: &mut Sink) {
         let Some(diagnostic) = refusal.or_else(|| (!files.is_file(path)).then(|| missing(path))) else {
             continue;
         };
-        sink.emit(match experiment.marks.nearest(&format!("report.compare.{index}")) {
+        sink.emit(match experiment.marks.nearest(&Report::compared(index)) {
             Some(mark) => diagnostic.at(mark.value, "relative to this file"),
             None => diagnostic,
         });

@@ -6,7 +6,8 @@ use super::{Subject, rates};
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::evaluate::Setting;
 use crate::kinds::fine_tune::FineTuning;
-use crate::kinds::physics::{EngineName, Physics};
+use crate::kinds::physics::Physics;
+use crate::sim::EngineName;
 use crate::spec::typed::InSection;
 
 /// Default time constant of contacts in s.

@@ -4,7 +4,7 @@ use super::Subject;
 use super::subject::duration;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::deploy::{Export, Transfer};
-use crate::kinds::evaluate::{Setting, last_push};
+use crate::kinds::evaluate::{self, Setting, last_push};
 use crate::kinds::task::{Judged, Shortest, Walk};
 
 /// Evaluations that are too short.
@@ -29,7 +29,7 @@ pub fn evaluations_are_long_enough(subject: &Subject, period: Option<f64>, sink:
             continue;
         }
         // A transfer without a time limit has that of `evaluate.nominal`.
-        let nominal = term.is::<Transfer>().then(|| Setting::time_limit.below("evaluate.nominal"));
+        let nominal = term.is::<Transfer>().then(|| Setting::time_limit.below(&evaluate::nominal()));
         let own = [Some(Setting::time_limit.below(&table)), nominal].into_iter().flatten();
         let path = own.chain([Walk::episode.path()]).find(|path| subject.value(path).is_some());
         let path = path.unwrap_or_default();

@@ -3,14 +3,15 @@
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::evaluate::Setting;
-use crate::kinds::physics::{EngineName, Physics};
+use crate::kinds::physics::Physics;
 
 /// Only MuJoCo uses `contact_time`.
 pub fn soft_contacts_are_mujocos(subject: &Subject, sink: &mut Sink) {
     for (path, table) in subject.protocols() {
         let key = Setting::contact_time.below(&path);
         let engine = table.value(Setting::engine).or_else(|| subject.at(Physics::engine));
-        if !table.holds(Setting::contact_time) || engine != Some(EngineName::Rapier) {
+        let sinks = engine.is_some_and(|engine| engine.facts().soft_contacts_sink);
+        if !table.holds(Setting::contact_time) || !sinks {
             continue;
         }
         let time = subject.written(&key);

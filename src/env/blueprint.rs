@@ -8,19 +8,19 @@ use super::interface::Sizes;
 use super::observation::{Observation, is_mirrored};
 use super::privileged;
 use crate::control::Law;
-use crate::kinds::action::{Action, PhaseAction};
+use crate::kinds::action::{Action, PhaseAction, Position, Torque};
 use crate::kinds::initial::Initial;
 use crate::kinds::learn::Ppo;
 use crate::kinds::learn::ppo::Critic;
 use crate::kinds::motion::{Frame, MIRROR_TOLERANCE, Motion};
 use crate::kinds::observe::Observations;
-use crate::kinds::physics::{EngineName, Physics};
+use crate::kinds::physics::Physics;
 use crate::kinds::reward::Rewards;
 use crate::kinds::task::Task;
 use crate::kinds::terrain::Ground;
 use crate::kinds::terrain::height_field::{self, SizeError};
 use crate::robot::Robot;
-use crate::sim::EngineError;
+use crate::sim::{EngineError, EngineName};
 use crate::spec::typed::{InSection, Part, section_mut};
 use crate::spec::{Quantity, Section, Table, Value};
 
@@ -49,7 +49,7 @@ pub enum BlueprintError {
     #[error("{what} of {rate} Hz does not divide the physics rate of {physics} Hz")]
     Rate {
         /// Which rate.
-        what: &'static str,
+        what: String,
         /// Its value in Hz.
         rate: f64,
         /// The physics rate in Hz.
@@ -229,9 +229,9 @@ impl Blueprint {
             return Err(BlueprintError::Missing(name));
         }
         self.has_a_ground()?;
-        self.divides("action.rate", self.control_rate())?;
+        self.divides(&Torque::rate.path(), self.control_rate())?;
         if let Some(rate) = self.law().servo_rate() {
-            self.divides("action.servo_rate", rate)?;
+            self.divides(&Position::servo_rate.path(), rate)?;
         }
         match &self.motion {
             Some(motion) => self.fits(motion),
@@ -246,11 +246,11 @@ impl Blueprint {
         Ok(())
     }
 
-    fn divides(&self, what: &'static str, rate: f64) -> Result<(), BlueprintError> {
+    fn divides(&self, what: &str, rate: f64) -> Result<(), BlueprintError> {
         let physics = self.physics_rate();
         let ratio = physics / rate;
         if ratio < 0.5 || (ratio - ratio.round()).abs() > 1e-6 {
-            return Err(BlueprintError::Rate { what, rate, physics });
+            return Err(BlueprintError::Rate { what: what.to_owned(), rate, physics });
         }
         Ok(())
     }

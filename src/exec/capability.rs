@@ -7,10 +7,10 @@ use crate::kinds::deploy::export::Format;
 use crate::kinds::deploy::{Export, Transfer};
 use crate::kinds::evaluate::Setting;
 use crate::kinds::learn::Ppo;
-use crate::kinds::physics::{EngineName, Physics};
+use crate::kinds::physics::Physics;
 use crate::learn::ppo::check_backend;
 use crate::plan::{Plan, Stage, StageKind};
-use crate::sim;
+use crate::sim::{self, EngineName};
 use crate::spec::Section;
 
 /// Fails if a stage needs a simulator or a library (R0005) or a device (R0006) that is not available.

@@ -11,12 +11,13 @@ use crate::evaluate::protocol::Protocol;
 use crate::kinds::action::Position;
 use crate::kinds::deploy::Transfer;
 use crate::kinds::evaluate::Setting;
-use crate::kinds::physics::{EngineName, Physics};
+use crate::kinds::physics::Physics;
 use crate::kinds::pretrain::Pretraining;
 use crate::kinds::task::Task;
 use crate::plan::expected::Expected;
 use crate::plan::why::State;
 use crate::plan::{Fingerprint, Plan, Stage, StageKind, budgets, render};
+use crate::sim::EngineName;
 use crate::spec::Section;
 
 /// Source of the rates that are used where the store has no measurement.

@@ -14,7 +14,7 @@ use crate::bounded;
 use crate::finite::{self, NotFinite};
 use crate::learn::LearnError;
 use crate::plan::{Plan, Stage, StageKind};
-use crate::sim::EngineError;
+use crate::sim::{EngineError, EngineName};
 use crate::spec::typed::Part;
 use crate::spec::{Section, Table};
 
@@ -177,14 +177,8 @@ impl From<EngineError> for WorkError {
     fn from(error: EngineError) -> Self {
         match error {
             EngineError::LibraryMissing { engine, .. } => {
-                let help = match engine {
-                    "mujoco" if cfg!(feature = "mujoco") => {
-                        "fetch it with `make native` in specforge's folder, or name the library's file in \
-                         the variable \
-                         SPECFORGE_MUJOCO; `specforge doctor` says what is missing"
-                    }
-                    _ => "`specforge doctor` says what is missing",
-                };
+                let help = EngineName::named(engine)
+                    .map_or("`specforge list engines` lists them", |engine| engine.facts().cure);
                 Self::coded("R0005", error.to_string(), help)
             }
             error => Self::failed(error.to_string()),
@@ -260,10 +254,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_engine_that_is_missing_is_r0005_and_sends_to_the_doctor() {
+    fn an_engine_that_is_unknown_is_r0005_and_sends_to_the_list() {
         let missing = crate::sim::open("bullet").err().expect("there is no such engine");
         let (code, help) = WorkError::from(missing).advice();
-        assert_eq!((code, help.as_deref()), (Some("R0005"), Some("`specforge doctor` says what is missing")));
+        assert_eq!((code, help.as_deref()), (Some("R0005"), Some("`specforge list engines` lists them")));
     }
 
     #[cfg(feature = "mujoco")]

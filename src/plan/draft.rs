@@ -6,13 +6,20 @@ use std::collections::BTreeMap;
 use serde_json::json;
 
 use super::arm::Arm;
+use super::field::Field;
 use super::shared::Shared;
 use super::stage::StageKind;
-use crate::kinds::deploy::Transfer;
-use crate::kinds::evaluate::Setting;
+use crate::kinds::action::Torque;
+use crate::kinds::deploy::{Deployment, Transfer};
+use crate::kinds::evaluate::{self, Episodes, Evaluation, NOMINAL, Setting, Spread};
 use crate::kinds::fine_tune::{self, FineTuning, Trained};
 use crate::kinds::learn::Learner;
+use crate::kinds::physics::Physics;
 use crate::kinds::pretrain::Pretraining;
+use crate::kinds::reward::Rewards;
+use crate::kinds::terrain::Ground;
+use crate::spec::marks::below;
+use crate::spec::section::RewardTerm;
 use crate::spec::typed::InSection;
 use crate::spec::{Section, Table, Value};
 
@@ -43,8 +50,8 @@ impl Training {
     /// The section of the spec that configures it, which is also its name in claims.
     pub fn section(self) -> &'static str {
         match self {
-            Self::First => "learn",
-            Self::FineTuning => "fine_tune",
+            Self::First => Learner::SECTION,
+            Self::FineTuning => FineTuning::SECTION,
         }
     }
 }
@@ -129,36 +136,53 @@ pub fn plain(
     content: Shared<serde_json::Value>,
 ) -> Draft {
     let mut fields = Table::new();
-    for path in kind.facts().fields {
-        copy_path(&arm.fields, path, &mut fields);
+    let declared = kind.facts().fields;
+    for field in declared {
+        field.copy(&arm.fields, &mut fields);
     }
-    let declared = |path: &str| kind.facts().fields.iter().any(|field| covers(field, path));
-    let origins = origins.iter().filter(|(path, _)| declared(path));
+    let origins = origins.iter().filter(|(path, _)| declared.iter().any(|field| field.covers(path)));
     let origins: BTreeMap<_, _> = origins.map(|(path, origin)| (path.clone(), origin.clone())).collect();
     let (name, training) = (kind.name().into(), Training::First);
     Draft { kind, name, training, fields: fields.into(), origins: origins.into(), content }
 }
 
-/// Keys of `[fine_tune]` and the paths that they set in its environment; `weights.TERM` sets
+/// Keys of `[fine_tune]` and the fields that they set in its environment; `weights.TERM` sets
 /// `reward.TERM.weight`.
-const MOVES: [(&str, &str); 3] =
-    [("terrain", "terrain"), ("std", "action.std"), ("engine", "physics.engine")];
+const MOVES: [(Field, Field); 3] = [
+    (Field::key(fine_tune::Ppo::terrain), Field::section::<Ground>()),
+    (Field::key(fine_tune::Ppo::std), Field::key(Torque::std)),
+    (Field::key(fine_tune::Ppo::engine), Field::key(Physics::engine)),
+];
+
+/// The path of a reward term's weight.
+fn weight(term: &str) -> String {
+    RewardTerm::weight.below(&below(Rewards::SECTION, term))
+}
+
+/// The path of its weight in a fine-tuning.
+fn tuned_weight(term: &str) -> String {
+    below(&fine_tune::Ppo::weights.path(), term)
+}
 
 /// The key of `[fine_tune]` that can set a path of that environment.
 fn moved_from(path: &str) -> Option<String> {
-    if let Some(term) = path.strip_prefix("reward.").and_then(|rest| rest.strip_suffix(".weight")) {
-        return Some(format!("fine_tune.weights.{term}"));
+    let parts: Vec<&str> = path.split('.').collect();
+    if let [section, term, key] = parts[..]
+        && section == Rewards::SECTION
+        && key == RewardTerm::weight.name
+    {
+        return Some(tuned_weight(term));
     }
-    let (own, place) = MOVES.into_iter().find(|(_, place)| covers(place, path))?;
-    Some(format!("fine_tune.{own}{}", &path[place.len()..]))
+    let (own, place) = MOVES.into_iter().find(|(_, place)| place.covers(path))?;
+    Some(format!("{}{}", own.path(), &path[place.path().len()..]))
 }
 
 /// The paths of the training's environment that a `[fine_tune]` replaces, with the keys that do so.
 pub fn replaced(tuning: Section) -> Vec<(String, String)> {
-    let fixed = MOVES.into_iter().filter(|(own, _)| tuning.get(own).is_some());
-    let fixed = fixed.map(|(own, place)| (place.to_owned(), format!("fine_tune.{own}")));
+    let fixed = MOVES.into_iter().filter(|(own, _)| tuning.get(own.name()).is_some());
+    let fixed = fixed.map(|(own, place)| (place.path(), own.path()));
     let terms = tuning.below(fine_tune::Ppo::weights).into_iter().flat_map(|weights| weights.table().keys());
-    let weights = terms.map(|term| (format!("reward.{term}.weight"), format!("fine_tune.weights.{term}")));
+    let weights = terms.map(|term| (weight(term), tuned_weight(term)));
     fixed.chain(weights).collect()
 }
 
@@ -179,9 +203,9 @@ pub fn spec_path(kind: StageKind, name: &str, path: &str, spec: Option<&Table>) 
     let is_written = |own: &String| spec.is_none_or(|spec| at(spec, own).is_some());
     let Some((head, rest)) = path.split_once('.') else { return path.to_owned() };
     match kind {
-        StageKind::Evaluate | StageKind::Export => format!("{name}.{rest}"),
+        StageKind::Evaluate | StageKind::Export => below(name, rest),
         StageKind::Transfer => {
-            let (own, nominal) = (format!("{name}.{rest}"), format!("evaluate.nominal.{rest}"));
+            let (own, nominal) = (below(name, rest), below(&evaluate::nominal(), rest));
             if !is_written(&own) && is_written(&nominal) { nominal } else { own }
         }
         StageKind::Env if name == TUNED_ENV => {
@@ -248,14 +272,14 @@ fn motion_draft(arm: &Arm, origins: &BTreeMap<String, String>, motion: &Table) -
 
 /// A stage made from the table `evaluate.NAME` or `deploy.NAME`.
 fn term(arm: &Arm, kind: StageKind, name: &str, table: &Table) -> Draft {
-    let section = kind.facts().fields[0];
-    let path = format!("{section}.{name}");
+    let section = kind.facts().fields[0].name();
+    let path = below(section, name);
     let mut origins = moved(&arm.origins, &path, section);
     let mut table = table.clone();
     // The inputs determine the policy: the same work on the same policy is one stage.
     let policy = Section::new(&table).value(Setting::policy);
     table.remove(Setting::policy.name);
-    origins.remove(&format!("{section}.policy"));
+    origins.remove(&Setting::policy.below(section));
     let training = match policy {
         Some(Trained::Learner) => Training::First,
         _ if arm.fields.contains_key(FineTuning::SECTION) => Training::FineTuning,
@@ -270,16 +294,25 @@ fn term(arm: &Arm, kind: StageKind, name: &str, table: &Table) -> Draft {
 }
 
 /// Keys that a transfer and an evaluation have in common.
-const PROTOCOL: [&str; 6] = ["command", "episodes", "perturbation", "seed", "terrain", "time_limit"];
+const PROTOCOL: [&str; 6] = [
+    Episodes::command.name,
+    Episodes::episodes.name,
+    Spread::perturbation.name,
+    Setting::seed.name,
+    Setting::terrain.name,
+    Setting::time_limit.name,
+];
 
 /// A transfer takes the protocol keys that it does not set from `evaluate.nominal`, so that both engines
 /// answer the same question.
 fn inherit_protocol(arm: &Arm, table: &mut Table, origins: &mut BTreeMap<String, String>) {
-    let Some((_, nominal)) = terms(arm, "evaluate").find(|(name, _)| *name == "nominal") else { return };
+    let nominal = terms(arm, Evaluation::SECTION).find(|(name, _)| *name == NOMINAL);
+    let Some((_, nominal)) = nominal else { return };
     for (key, value) in nominal.iter().filter(|(key, _)| PROTOCOL.contains(&key.as_str())) {
         if !table.contains_key(key) {
             table.insert(key.clone(), value.clone());
-            origins.extend(moved(&arm.origins, &format!("evaluate.nominal.{key}"), &format!("deploy.{key}")));
+            let (from, to) = (below(&evaluate::nominal(), key), below(Deployment::SECTION, key));
+            origins.extend(moved(&arm.origins, &from, &to));
         }
     }
 }
@@ -289,28 +322,6 @@ fn covers(field: &str, path: &str) -> bool {
     let below =
         |outer: &str, inner: &str| inner.strip_prefix(outer).is_some_and(|rest| rest.starts_with('.'));
     field == path || below(field, path)
-}
-
-/// Copies the value at a dotted path, if there is one.
-fn copy_path(from: &Table, path: &str, to: &mut Table) {
-    match path.split_once('.') {
-        None => {
-            if let Some(value) = from.get(path) {
-                to.insert(path.into(), value.clone());
-            }
-        }
-        Some((head, rest)) => {
-            let Some(Value::Table(inner)) = from.get(head) else { return };
-            let mut copied = match to.remove(head) {
-                Some(Value::Table(table)) => table,
-                _ => Table::new(),
-            };
-            copy_path(inner, rest, &mut copied);
-            if !copied.is_empty() {
-                to.insert(head.into(), Value::Table(copied));
-            }
-        }
-    }
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ pub mod digests;
 mod draft;
 mod error;
 pub mod expected;
+mod field;
 pub mod fingerprint;
 pub mod graph;
 mod idle_axes;

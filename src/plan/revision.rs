@@ -4,9 +4,10 @@
 use super::stage::StageKind;
 use crate::kinds::deploy::{Deployment, Transfer};
 use crate::kinds::evaluate::{Drawn, Evaluation, ParameterSets};
-use crate::kinds::physics::{EngineName, Physics};
+use crate::kinds::physics::Physics;
 use crate::kinds::task::Task;
 use crate::kinds::task::stand::Stand;
+use crate::sim::EngineName;
 use crate::spec::{Section, Table};
 
 /// Kinds that have changed since their first release: section, kind, revision. Raised when the kind's numbers

@@ -4,11 +4,24 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::kinds::deploy::Transfer;
-use crate::kinds::evaluate::Setting;
-use crate::kinds::learn::Ppo;
-use crate::kinds::learn::ppo::Backend;
-use crate::kinds::physics::{EngineName, Physics};
+use super::field::Field;
+use crate::kinds::action::Action;
+use crate::kinds::deploy::{Deployment, Transfer};
+use crate::kinds::evaluate::{Evaluation, Setting};
+use crate::kinds::fine_tune;
+use crate::kinds::initial::Initial;
+use crate::kinds::learn::ppo::{Backend, Critic};
+use crate::kinds::learn::{Learner, Ppo};
+use crate::kinds::observe::Observations;
+use crate::kinds::physics::Physics;
+use crate::kinds::pretrain::Pretraining;
+use crate::kinds::randomize::Rows;
+use crate::kinds::reward::Rewards;
+use crate::kinds::task::{Task, Walk};
+use crate::kinds::terminate::Terminations;
+use crate::kinds::terrain::Ground;
+use crate::sim::EngineName;
+use crate::spec::section::{Header, Report, Robot};
 use crate::spec::{Section, Table};
 
 /// A kind of stage.
@@ -64,9 +77,9 @@ pub struct Input {
 pub struct Facts {
     /// Its name, also its folder in the store.
     pub name: &'static str,
-    /// The spec fields it declares, as dotted paths. `evaluate` and `deploy` stand for the one table
-    /// `evaluate.NAME` or `deploy.NAME` that the stage was made from; NAME itself is not read.
-    pub fields: &'static [&'static str],
+    /// The spec fields it declares. `evaluate` and `deploy` stand for the one table `evaluate.NAME` or
+    /// `deploy.NAME` that the stage was made from; NAME itself is not read.
+    pub fields: &'static [Field],
     /// Its inputs. A report takes all other stages as inputs.
     pub inputs: &'static [Input],
     /// Raised when the code gives another result for the same input; if only specs with one kind are
@@ -96,7 +109,7 @@ const POLICY_INPUTS: &[Input] = &[
 
 const ROBOT: Facts = Facts {
     name: "robot",
-    fields: &["robot"],
+    fields: &[Field::section::<Robot>()],
     inputs: &[],
     epoch: 1,
     threads: Threads::One,
@@ -105,7 +118,7 @@ const ROBOT: Facts = Facts {
 
 const MOTION: Facts = Facts {
     name: "motion",
-    fields: &["task.motion"],
+    fields: &[Field::key(Walk::motion)],
     inputs: &[needs("robot", StageKind::Robot)],
     epoch: 1,
     threads: Threads::One,
@@ -115,17 +128,17 @@ const MOTION: Facts = Facts {
 const ENV: Facts = Facts {
     name: "env",
     fields: &[
-        "physics",
-        "terrain",
-        "task",
-        "initial",
-        "observe",
-        "reward",
-        "terminate",
-        "randomize",
-        "action",
-        "learn.symmetry",
-        "learn.value.privileged",
+        Field::section::<Physics>(),
+        Field::section::<Ground>(),
+        Field::section::<Task>(),
+        Field::section::<Initial>(),
+        Field::section::<Observations>(),
+        Field::section::<Rewards>(),
+        Field::section::<Terminations>(),
+        Field::section::<Rows>(),
+        Field::section::<Action>(),
+        Field::key(Ppo::symmetry),
+        Field::within(Ppo::value, Critic::privileged),
     ],
     inputs: &[needs("robot", StageKind::Robot), takes("motion", StageKind::Motion)],
     epoch: 1,
@@ -135,7 +148,7 @@ const ENV: Facts = Facts {
 
 const CONTROLLER: Facts = Facts {
     name: "controller",
-    fields: &["action"],
+    fields: &[Field::section::<Action>()],
     inputs: &[needs("robot", StageKind::Robot)],
     epoch: 1,
     threads: Threads::One,
@@ -145,15 +158,15 @@ const CONTROLLER: Facts = Facts {
 const PRETRAIN: Facts = Facts {
     name: "pretrain",
     fields: &[
-        "pretrain",
-        "observe",
-        "action",
-        "physics.rate",
-        "task.kind",
-        "task.command",
-        "learn.policy",
-        "learn.seed",
-        "learn.symmetry",
+        Field::section::<Pretraining>(),
+        Field::section::<Observations>(),
+        Field::section::<Action>(),
+        Field::key(Physics::rate),
+        Field::kind::<Task>(),
+        Field::key(Walk::command),
+        Field::key(Ppo::policy),
+        Field::key(Ppo::seed),
+        Field::key(Ppo::symmetry),
     ],
     inputs: &[
         needs("robot", StageKind::Robot),
@@ -167,7 +180,7 @@ const PRETRAIN: Facts = Facts {
 
 const LEARNER: Facts = Facts {
     name: "learner",
-    fields: &["learn"],
+    fields: &[Field::section::<Learner>()],
     inputs: &[
         needs("env", StageKind::Env),
         needs("controller", StageKind::Controller),
@@ -180,7 +193,12 @@ const LEARNER: Facts = Facts {
 
 const FINE_TUNE: Facts = Facts {
     name: "fine_tune",
-    fields: &["learn", "fine_tune.samples", "fine_tune.learning_rate", "fine_tune.warm_up"],
+    fields: &[
+        Field::section::<Learner>(),
+        Field::key(fine_tune::Ppo::samples),
+        Field::key(fine_tune::Ppo::learning_rate),
+        Field::key(fine_tune::Ppo::warm_up),
+    ],
     inputs: POLICY_INPUTS,
     epoch: 3,
     threads: Threads::Max,
@@ -189,7 +207,7 @@ const FINE_TUNE: Facts = Facts {
 
 const EVALUATE: Facts = Facts {
     name: "evaluate",
-    fields: &["evaluate"],
+    fields: &[Field::section::<Evaluation>()],
     inputs: POLICY_INPUTS,
     epoch: 4,
     threads: Threads::Max,
@@ -198,7 +216,7 @@ const EVALUATE: Facts = Facts {
 
 const EXPORT: Facts = Facts {
     name: "export",
-    fields: &["deploy"],
+    fields: &[Field::section::<Deployment>()],
     inputs: POLICY_INPUTS,
     epoch: 2,
     threads: Threads::One,
@@ -207,7 +225,7 @@ const EXPORT: Facts = Facts {
 
 const TRANSFER: Facts = Facts {
     name: "transfer",
-    fields: &["deploy"],
+    fields: &[Field::section::<Deployment>()],
     inputs: &[needs("env", StageKind::Env), needs("policy", StageKind::Export)],
     epoch: 4,
     threads: Threads::Max,
@@ -216,7 +234,7 @@ const TRANSFER: Facts = Facts {
 
 const REPORT: Facts = Facts {
     name: "report",
-    fields: &["report", "name", "summary"],
+    fields: &[Field::section::<Report>(), Field::header(Header::name), Field::header(Header::summary)],
     inputs: &[],
     epoch: 2,
     threads: Threads::One,

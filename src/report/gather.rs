@@ -13,13 +13,14 @@ use crate::bounded;
 use crate::deploy::policy;
 use crate::exec::manifest::{self, Manifest};
 use crate::exec::{Job, WorkError};
-use crate::kinds::evaluate::last_push;
+use crate::kinds::deploy::Deployment;
+use crate::kinds::evaluate::{self, last_push};
 use crate::kinds::fine_tune::FineTuning;
 use crate::learn::finding::Finding;
 use crate::plan::graph::{ArmRecord, Plan};
 use crate::plan::{BASELINES, StageKind, TUNED_ENV, Training, replaced};
 use crate::spec::section::Report;
-use crate::spec::typed::Key;
+use crate::spec::typed::{InSection, Key};
 use crate::spec::{Section, Table, Value};
 
 /// Describes the low-level control law of a decoded spec in words.
@@ -181,7 +182,8 @@ fn schedule_pushes(arm: &mut Arm) {
 
 /// Sort key of evaluations: the nominal one comes first, transfers come last.
 fn order(stage: &str) -> (bool, bool, Vec<(&str, u64)>) {
-    (stage != "evaluate.nominal", stage.starts_with("deploy."), natural(stage))
+    let transferred = stage.split_once('.').is_some_and(|(section, _)| section == Deployment::SECTION);
+    (stage != evaluate::nominal(), transferred, natural(stage))
 }
 
 /// Splits a name into texts and the numbers after them, so that `load_5` sorts before `load_10`.
@@ -280,9 +282,9 @@ fn spec_fields(kind: StageKind, stage: &str, spec: &Table) -> Vec<String> {
         }
         StageKind::Env if stage == TUNED_ENV => {
             let own = tuned(spec);
-            declared.flat_map(|field| spelled(field, spec.get(*field), &own)).collect()
+            declared.flat_map(|field| spelled(&field.path(), spec.get(&field.path()), &own)).collect()
         }
-        _ => declared.map(|field| (*field).to_owned()).collect(),
+        _ => declared.map(|field| field.path()).collect(),
     }
 }
 

@@ -6,8 +6,9 @@ use super::table::conditions::{all_conditions, conditions, variations};
 use super::verdict::{Verdict, asked_speed, judge};
 use super::wording::{labels, number, with_interval};
 use crate::kinds::fine_tune;
-use crate::kinds::physics::{EngineName, Physics};
+use crate::kinds::physics::Physics;
 use crate::outcome::Evaluation;
+use crate::sim::EngineName;
 
 /// One paragraph per arm.
 pub fn paragraphs(input: &ReportInput) -> Vec<String> {

@@ -7,6 +7,7 @@
 mod apart;
 pub mod catalogue;
 pub mod engine;
+pub mod engines;
 pub mod error;
 pub mod mjcf;
 mod patch;
@@ -23,10 +24,9 @@ pub mod rapier;
 
 use std::sync::Arc;
 
-use crate::kinds::physics::EngineName;
-
 pub use apart::worlds;
 pub use engine::{Engine, World};
+pub use engines::{EngineFacts, EngineName};
 pub use error::EngineError;
 pub use scene::{Contacts, EngineSettings, State, Terrain};
 pub use worlds::{Seat, Worlds};
@@ -38,16 +38,7 @@ pub const ENGINES: &[&str] = EngineName::WORDS;
 pub fn open(name: &str) -> Result<Arc<dyn Engine>, EngineError> {
     let unknown =
         || EngineError::LibraryMissing { engine: "unknown", reason: format!("unknown engine `{name}`") };
-    match EngineName::named(name).ok_or_else(unknown)? {
-        #[cfg(feature = "batch")]
-        EngineName::Batch => Ok(Arc::new(batch::Batch::default())),
-        #[cfg(feature = "rapier")]
-        EngineName::Rapier => Ok(Arc::new(rapier::Rapier)),
-        #[cfg(feature = "mujoco")]
-        EngineName::Mujoco => Ok(Arc::new(mujoco::Mujoco::new()?)),
-        #[cfg(not(all(feature = "batch", feature = "rapier", feature = "mujoco")))]
-        engine => Err(absent(engine.word())),
-    }
+    EngineName::named(name).ok_or_else(unknown)?.open()
 }
 
 /// Instruction sets of the batch engine.
@@ -68,9 +59,4 @@ pub fn batch_under(instructions: &str) -> Result<Arc<dyn Engine>, EngineError> {
         engine: "batch",
         reason: format!("this build lacks the feature `batch`, so {instructions} cannot be used"),
     });
-}
-
-#[cfg(not(all(feature = "batch", feature = "rapier", feature = "mujoco")))]
-fn absent(engine: &'static str) -> EngineError {
-    EngineError::LibraryMissing { engine, reason: format!("this build lacks the feature `{engine}`") }
 }

@@ -1,6 +1,7 @@
 //! The sections of a spec and the keys allowed in them. The kinds come from the registries as a
 //! [`Vocabulary`]: this module describes the form of a spec, not the behaviour of kinds.
 
+use super::marks::below;
 use super::{Kind, Param, Sampler, Ty};
 use crate::spec::typed::prelude::*;
 use crate::syntax::Forms;
@@ -145,6 +146,13 @@ keys! {
         /// Why the result may differ from the paper's, a sentence each; printed below the answer. They are
         /// not inherited.
         reasons: Option<Vec<String>>,
+    }
+}
+
+impl Report {
+    /// The path of an entry of `report.compare`.
+    pub fn compared(entry: usize) -> String {
+        below(&Self::compare.path(), &entry.to_string())
     }
 }
 

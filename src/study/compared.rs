@@ -9,6 +9,7 @@ use crate::check::{Checked, Checker, unrunnable};
 use crate::diag::{Diagnostic, Severity, Sources, Span};
 use crate::escape;
 use crate::plan::{PlanError, lower, same_results};
+use crate::spec::section::Report;
 use crate::spec::{Experiment, LoadOptions};
 use crate::syntax::Disk;
 
@@ -112,7 +113,7 @@ pub fn no_parent(other: &Checked, by: &Checked, entry: usize) -> Option<Diagnost
 /// A diagnostic at an entry of a spec's `report.compare`.
 pub fn at_entry(diagnostic: Diagnostic, by: &Checked, entry: usize) -> Diagnostic {
     let marks = by.experiment.as_ref().map(|experiment| &experiment.marks);
-    match marks.and_then(|marks| marks.nearest(&format!("report.compare.{entry}"))) {
+    match marks.and_then(|marks| marks.nearest(&Report::compared(entry))) {
         Some(mark) => diagnostic.at(mark.value, "compared with here"),
         None => diagnostic,
     }

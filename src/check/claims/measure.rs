@@ -5,7 +5,7 @@ use super::training::Budget;
 use super::{ArmScope, Scope, arms_in, at, name};
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::deploy::{Deployment, Transfer};
-use crate::kinds::evaluate::{Evaluation, ParameterSets, Setting};
+use crate::kinds::evaluate::{Evaluation, NOMINAL, ParameterSets, Setting};
 use crate::kinds::fine_tune::{self, FineTuning, Trained};
 use crate::kinds::learn::Learner;
 use crate::kinds::metric::{self, MetricKind, Scale, Source};
@@ -297,7 +297,7 @@ fn ground<'a>(fields: &'a Table, stage: &str) -> &'a str {
     let table = |section: &str, name: &str| spec.section(section)?.section(name);
     let own = stage.split_once('.').and_then(|(section, name)| {
         let terrain = |section: &str, name: &str| table(section, name)?.below(Setting::terrain);
-        let nominal = || terrain(Evaluation::SECTION, "nominal").filter(|_| section == Deployment::SECTION);
+        let nominal = || terrain(Evaluation::SECTION, NOMINAL).filter(|_| section == Deployment::SECTION);
         terrain(section, name).or_else(nominal)
     });
     let trained = || {

@@ -15,10 +15,9 @@ use crate::finite;
 use crate::kinds::deploy::{Deployment, export};
 use crate::kinds::evaluate::Evaluation as Evaluations;
 use crate::kinds::evaluate::Setting;
-use crate::kinds::physics::EngineName;
 use crate::learn::Network;
 use crate::outcome::Evaluation;
-use crate::sim;
+use crate::sim::{self, EngineName};
 use crate::spec::typed::InSection;
 
 /// `evaluation.json`: the deterministic policy in the engine of its training, unless the table names another
@@ -79,7 +78,7 @@ impl Work for Transfer {
         let ledger = Ledger::open(job, transfer.protocol.conditions.len())?;
         let evaluation = transferred(&policy, &transfer, job.threads.now(), &ledger);
         ledger.close()?;
-        if transfer.engine == "mujoco" {
+        if transfer.engine == EngineName::Mujoco.word() {
             job.write_text("robot.xml", &transfer.mjcf(&policy).map_err(failed)?)?;
         }
         job.write("evaluation.json", &evaluation?)

@@ -24,7 +24,7 @@ pub fn episodes(fields: &Table, stage: &str) -> Option<usize> {
     let (section, name) = stage.split_once('.')?;
     let own = table(section, name)?;
     let says = |table: &Section| table.holds(Episodes::episodes);
-    let nominal =
-        table(Evaluation::SECTION, "nominal").filter(|_| section == Deployment::SECTION && !says(&own));
+    let nominal = table(Evaluation::SECTION, evaluate::NOMINAL)
+        .filter(|_| section == Deployment::SECTION && !says(&own));
     Some(evaluate::episodes(nominal.filter(says).unwrap_or(own)))
 }

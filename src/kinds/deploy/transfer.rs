@@ -2,8 +2,8 @@
 
 use crate::kinds::evaluate::{Command, Drawn};
 use crate::kinds::fine_tune::Trained;
-use crate::kinds::physics::EngineName;
 use crate::kinds::terrain::Ground;
+use crate::sim::EngineName;
 use crate::spec::typed::prelude::*;
 
 kind! {

@@ -6,11 +6,20 @@ pub mod parameter_sets;
 pub mod speeds;
 
 use super::fine_tune::Trained;
-use super::physics::EngineName;
 use super::randomize::Rows;
 use super::terrain::Ground;
+use crate::sim::EngineName;
 use crate::spec::Section;
+use crate::spec::marks::below;
 use crate::spec::typed::prelude::*;
+
+/// The name of the evaluation that a transfer takes missing keys from.
+pub const NOMINAL: &str = "nominal";
+
+/// The path of its table.
+pub fn nominal() -> String {
+    below(Evaluation::SECTION, NOMINAL)
+}
 
 section! {
     /// Protocol of an evaluation.

@@ -1,8 +1,8 @@
 //! The keys of `[fine_tune]` of kind `ppo`. `learn::Settings` reads them.
 
 use crate::kinds::learn::ppo::LearningRate;
-use crate::kinds::physics::EngineName;
 use crate::kinds::terrain::Ground;
+use crate::sim::EngineName;
 use crate::spec::typed::prelude::*;
 
 reference! {
