@@ -8,7 +8,7 @@ use std::path::Path;
 
 use mujoco_rs::prelude::{MjData, MjModel, MjtObjBase};
 use nalgebra::Isometry3;
-use regex::Regex;
+use regex_lite::Regex;
 use specforge::diag::render::{Look, human};
 use specforge::diag::{Sink, Sources};
 use specforge::robot::import::{self, Folder, Selection, Welded};

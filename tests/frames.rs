@@ -10,7 +10,7 @@ use std::path::Path;
 use assert_cmd::Command;
 use draft::{Draft, SOLES, Sole, Solid, anyhow, stork};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
-use regex::Regex;
+use regex_lite::Regex;
 use specforge::diag::render::{Look, human};
 use specforge::diag::{Sink, Sources};
 use specforge::kinds::motion::{self, Frame};

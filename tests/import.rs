@@ -341,7 +341,7 @@ fn mistakes_are_said_and_leave_nothing_behind() {
     };
     fails(&["nothing.urdf"], 3, "E0004");
     fails(&["walker.urdf", "--joints", "wheel"], 3, "E0402");
-    fails(&["walker.urdf", "--joints", "("], 2, "regex");
+    fails(&["walker.urdf", "--joints", "("], 2, "open group without closing");
     fails(&["walker.urdf", "--feet", "one"], 2, "a comma between them");
     fails(&["walker.urdf", "--fill", "velocity_limit=12"], 2, "the unit is missing: write it in rad/s");
     fails(&["walker.urdf", "--fill", "velocity_limit=fast"], 2, "does not begin with a number");
@@ -396,7 +396,7 @@ fn limits_that_a_joint_does_not_have_are_lines_to_fill_in() {
     let folder = tempfile::tempdir().unwrap();
     let axis = "<axis xyz=\"0 1 0\"/>";
     let limit = &format!("{axis}<limit lower=\"-1\" upper=\"1\" effort=\"100\" velocity=\"9\"/>");
-    let joints = Some(regex::Regex::new("shoulder|hip|knee|ankle").unwrap());
+    let joints = Some(regex_lite::Regex::new("shoulder|hip|knee|ankle").unwrap());
     let selection = Selection { joints, ..Selection::default() };
     let missing = |edits: &[(&str, &str)]| {
         let (_, missing) = imported(&changed(folder.path(), edits), &selection);

@@ -31,7 +31,7 @@ const WRITTEN: &[(Dimension, &[&str])] = &[
 ];
 
 fn matches(pattern: &str, text: &str) -> bool {
-    regex::Regex::new(pattern).expect("a regular expression").is_match(text)
+    regex_lite::Regex::new(pattern).expect("a regular expression").is_match(text)
 }
 
 #[test]

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use regex::Regex;
+use regex_lite::Regex;
 use specforge::diag::render::{Look, human};
 use specforge::diag::{Sink, Sources};
 use specforge::robot::import::{self, Folder, Hinge, Selection, Welded};

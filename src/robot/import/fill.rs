@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use regex::Regex;
+use regex_lite::Regex;
 
 use super::tree::Hinge;
 use super::welded::Welded;

@@ -2,7 +2,7 @@
 //! user decides how to treat them. Only MJCF identifies them: in URDF an effort limit that is missing or zero
 //! is unknown, and has to be filled in.
 
-use regex::escape;
+use regex_lite::escape;
 
 use super::fill::{Fill, LIMIT, gives};
 use super::naming::some;

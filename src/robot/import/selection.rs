@@ -1,6 +1,6 @@
 //! The user's choices for an import.
 
-use regex::Regex;
+use regex_lite::Regex;
 
 use super::fill::Fill;
 

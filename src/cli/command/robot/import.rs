@@ -3,7 +3,7 @@
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use regex::Regex;
+use regex_lite::Regex;
 
 use crate::cli::specs::{self, Findings};
 use crate::cli::{Exit, Format, Global, output};
