@@ -353,38 +353,6 @@ fn suites_with_arms_of_the_same_names_and_profiles_keep_what_is_theirs() {
 }
 
 #[test]
-fn lines_of_before_suites_were_kept_apart_keep_all_they_name() {
-    use specforge::exec::gc;
-    let folder = tempfile::tempdir().expect("a folder");
-    for weight in [0.1, 0.2] {
-        let mut one = arm("torque", "torque");
-        arms::set(
-            &mut one,
-            "reward.contact_force.weight",
-            arms::quantity(weight, &weight.to_string()),
-            "--set",
-        );
-        execute(&plan(&[one]), folder.path(), &Fake::default(), 2).outcome.expect("the store works");
-    }
-    let store = Store::at(folder.path());
-    assert!(!waste(&store).is_empty());
-    let journal = folder.path().join("journal.jsonl");
-    let text = fs::read_to_string(&journal).expect("a journal");
-    let lines = text.lines().map(|line| {
-        let mut line: serde_json::Value = serde_json::from_str(line).expect("a line");
-        ["scope", "check"].iter().for_each(|key| drop(line.as_object_mut().expect("fields").remove(*key)));
-        format!("{line}\n")
-    });
-    fs::write(&journal, lines.collect::<String>()).expect("it can be written");
-    fs::remove_file(folder.path().join("journal.seal")).expect("a seal");
-    let error =
-        gc::waste(&store, &rules(Duration::ZERO), &Wait::default()).expect_err("such lines prove nothing");
-    assert_eq!(error.code(), Some("E0814"));
-    let forced = gc::Rules { force: true, ..rules(Duration::ZERO) };
-    assert_eq!(gc::waste(&store, &forced, &Wait::default()).expect("the journal can be read").waste.len(), 0);
-}
-
-#[test]
 fn a_journal_torn_in_mid_character_keeps_everything_and_takes_lines() {
     use specforge::exec::gc;
     let (folder, plan) = (tempfile::tempdir().expect("a folder"), plan(&[arm("torque", "torque")]));

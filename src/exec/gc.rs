@@ -100,7 +100,6 @@ fn evidence(store: &Store, journal: &Journal) -> Result<Option<String>, StoreErr
         Health::Whole => None,
         _ if is_empty => None,
         Health::Absent => Some("it is missing".into()),
-        Health::Unchecked => Some("it is of a version that wrote no digests".into()),
         Health::Damaged(reason) => Some(reason.clone()),
     })
 }

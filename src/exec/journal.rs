@@ -25,8 +25,7 @@ const NEAREST_LIMIT: usize = 64;
 pub struct Line {
     /// The run's identifier.
     pub run: String,
-    /// What the arm belongs to ([`Plan::scope`]); empty in lines of earlier versions.
-    #[serde(default)]
+    /// What the arm belongs to ([`Plan::scope`]).
     pub scope: String,
     /// The arm.
     pub arm: String,
@@ -159,11 +158,9 @@ impl Journal {
         self.lines.iter().map(|line| &line.fingerprint)
     }
 
-    /// The current artefact of every named stage, and all artefacts of lines without a scope: which of those
-    /// are still current is unknown.
+    /// The current artefact of every named stage.
     pub fn present(&self) -> impl Iterator<Item = &Fingerprint> {
-        let unscoped = self.lines.iter().filter(|line| line.scope.is_empty());
-        self.latest.values().chain(unscoped.map(|line| &line.fingerprint))
+        self.latest.values()
     }
 
     /// Earlier artefacts under the names of a stage in that scope, latest first, without the current one.

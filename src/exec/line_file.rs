@@ -22,8 +22,6 @@ const SEAL: &str = "journal.seal";
 pub enum Health {
     /// It is.
     Whole,
-    /// It is, but its first lines are from a version that wrote no digests.
-    Unchecked,
     /// Both the journal and its seal are missing, as in a store without artefacts.
     #[default]
     Absent,
@@ -122,7 +120,7 @@ impl LineFile {
             file.set_len(end as u64).map_err(fault)?;
         }
         file.write_all(text.as_bytes()).and_then(|()| file.sync_data()).map_err(fault)?;
-        let may_seal = matches!(health, Health::Whole | Health::Unchecked) || health == torn();
+        let may_seal = health == Health::Whole || health == torn();
         if may_seal { self.seal(end + text.len(), chain) } else { Ok(()) }
     }
 
@@ -156,7 +154,7 @@ fn torn() -> Health {
 /// Parses a journal. `seal` is `None` if missing, `Some(None)` if unreadable.
 fn contents(bytes: &[u8], seal: Option<Option<Seal>>) -> Contents {
     let mut found = Contents { chain: lines::begin(b""), ..Contents::default() };
-    let (mut damage, mut checked, mut unchecked) = (None, 0, 0);
+    let mut damage = None;
     let mut sealed = seal.as_ref().is_some_and(|seal| seal.as_ref().is_some_and(|seal| found.is_at(seal)));
     for (index, line) in bytes.split_inclusive(|byte| *byte == b'\n').enumerate() {
         let mut wrong = |reason: &str| {
@@ -168,24 +166,15 @@ fn contents(bytes: &[u8], seal: Option<Option<Seal>>) -> Contents {
             found.end += line.len();
             continue;
         };
-        match (lines::split(text), checked) {
-            (Some((body, digest)), _) => {
+        match lines::split(text) {
+            Some((body, digest)) => {
                 if lines::open(&found.chain, text).is_none() {
                     wrong("does not fit its digest and the lines before it");
                 }
                 found.chain = digest.to_owned();
                 found.lines.push(body);
-                checked += 1;
             }
-            (None, 0) => {
-                if serde_json::from_str::<serde_json::Map<String, serde_json::Value>>(text).is_err() {
-                    wrong("cannot be read");
-                }
-                found.chain = lines::begin(&bytes[..found.end + line.len()]);
-                found.lines.push(text.to_owned());
-                unchecked += 1;
-            }
-            (None, _) => wrong("has no digest"),
+            None => wrong("has no digest"),
         }
         found.end += line.len();
         sealed |= matches!(&seal, Some(Some(seal)) if found.is_at(seal));
@@ -194,13 +183,12 @@ fn contents(bytes: &[u8], seal: Option<Option<Seal>>) -> Contents {
     found.health = match (damage, &seal) {
         (Some(reason), _) => Health::Damaged(reason),
         (None, Some(None)) => Health::Damaged(format!("`{SEAL}` cannot be read")),
-        (None, None) if checked > 0 => Health::Damaged(format!("`{SEAL}` is missing")),
+        (None, None) if bytes.is_empty() => Health::Damaged("it is empty".into()),
+        (None, None) => Health::Damaged(format!("`{SEAL}` is missing")),
         (None, Some(Some(_))) if !sealed => {
             Health::Damaged("it is not as long as it was, or begins otherwise".into())
         }
         _ if is_torn => torn(),
-        (None, None) if bytes.is_empty() => Health::Damaged("it is empty".into()),
-        _ if unchecked > 0 => Health::Unchecked,
         _ => Health::Whole,
     };
     found
@@ -283,16 +271,14 @@ mod tests {
     }
 
     #[test]
-    fn lines_of_before_there_were_digests_are_read_and_are_no_evidence() {
+    fn a_line_without_a_digest_is_damage() {
         let folder = tempfile::tempdir().expect("a folder");
-        let (old, journal) = (LineFile::new(folder.path()), folder.path().join(JOURNAL));
-        fs::write(&journal, BODIES.join("\n") + "\n").expect("it can be written");
-        assert_eq!(read(&old), (BODIES.map(str::to_owned).to_vec(), Health::Unchecked));
-        old.append(&[BODIES[0].to_owned()], &Wait::default()).expect("it can be written");
-        assert_eq!(read(&old).1, Health::Unchecked);
-        // From now on they cannot be changed unnoticed.
+        let (file, journal) = (file(folder.path()), folder.path().join(JOURNAL));
         let text = fs::read_to_string(&journal).expect("written");
-        fs::write(&journal, text.replacen("\"n\":1", "\"n\":9", 1)).expect("it can be written");
-        assert!(matches!(read(&old).1, Health::Damaged(_)));
+        fs::write(&journal, text + BODIES[0] + "\n").expect("it can be written");
+        assert_eq!(
+            read(&file),
+            (BODIES.map(str::to_owned).to_vec(), Health::Damaged("line 4 has no digest".into()))
+        );
     }
 }

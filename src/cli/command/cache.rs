@@ -237,7 +237,7 @@ fn journal(store: &Store, artefacts: usize) -> Result<Option<Fault>, StoreError>
     let reason = match Journal::open(store)?.health() {
         Health::Damaged(reason) => reason.clone(),
         Health::Absent if artefacts > 0 => "it is missing".into(),
-        Health::Absent | Health::Whole | Health::Unchecked => return Ok(None),
+        Health::Absent | Health::Whole => return Ok(None),
     };
     let help = "runs go on; `cache gc` removes nothing until `cache gc --force` has written it again";
     Ok(Some(Fault { code: "E0814", what: "journal".into(), reason, help }))
