@@ -102,7 +102,7 @@ const RULES: &[fn(&Subject, &mut Sink)] = &[
     weights::no_weight_dominates,
     scales::scales_are_moderate,
     contact_time::contacts_are_slower_than_steps,
-    softness::soft_contacts_are_mujocos,
+    softness::soft_contacts_support_the_feet,
     negligible::values_have_an_effect,
     plausible::values_are_plausible,
 ];

@@ -1,24 +1,26 @@
-//! W0507: soft contacts in rapier.
+//! W0507: soft contacts in an engine whose soft contacts do not support light feet.
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::evaluate::Setting;
 use crate::kinds::physics::Physics;
 
-/// Only MuJoCo uses `contact_time`.
-pub fn soft_contacts_are_mujocos(subject: &Subject, sink: &mut Sink) {
+/// `contact_time` is set only for engines in which light feet stand on soft contacts.
+pub fn soft_contacts_support_the_feet(subject: &Subject, sink: &mut Sink) {
     for (path, table) in subject.protocols() {
         let key = Setting::contact_time.below(&path);
-        let engine = table.value(Setting::engine).or_else(|| subject.at(Physics::engine));
-        let sinks = engine.is_some_and(|engine| engine.facts().soft_contacts_sink);
-        if !table.holds(Setting::contact_time) || !sinks {
+        let Some(engine) = table.value(Setting::engine).or_else(|| subject.at(Physics::engine)) else {
+            continue;
+        };
+        if !table.holds(Setting::contact_time) || !engine.facts().soft_contacts_sink {
             continue;
         }
+        let engine = engine.word();
         let time = subject.written(&key);
         let mut diagnostic =
-            Diagnostic::warning("W0507", format!("`{key}` softens the contacts of rapier to {time}"));
+            Diagnostic::warning("W0507", format!("`{key}` softens the contacts of {engine} to {time}"));
         if let Some(place) = subject.place(&key) {
-            diagnostic = diagnostic.at(place, "rapier's soft contacts do not support light feet");
+            diagnostic = diagnostic.at(place, format!("{engine}'s soft contacts do not support light feet"));
         }
         sink.emit(diagnostic.help("remove it; to match the engines, make MuJoCo's contacts stiffer"));
     }
@@ -33,7 +35,7 @@ mod tests {
         let text = format!(
             "[physics]\nengine = \"{engine}\"\n[evaluate.soft]\nkind = \"episodes\"\n{own}contact_time = 0.01"
         );
-        found(soft_contacts_are_mujocos, &text, None).iter().map(|found| found.code).collect()
+        found(soft_contacts_support_the_feet, &text, None).iter().map(|found| found.code).collect()
     }
 
     #[test]
@@ -43,7 +45,7 @@ mod tests {
         assert!(codes("mujoco", "").is_empty() && codes("rapier", "engine = \"mujoco\"\n").is_empty());
         assert_eq!(
             found(
-                soft_contacts_are_mujocos,
+                soft_contacts_support_the_feet,
                 "[physics]\nengine = \"rapier\"\n[evaluate.a]\nepisodes = 3",
                 None
             ),
