@@ -24,7 +24,7 @@ pub struct Hit {
 }
 
 /// Squared lengths below this have no direction.
-const PARALLEL: f64 = 1e-16;
+pub(super) const PARALLEL: f64 = 1e-16;
 
 #[inline]
 pub(super) fn add(a: P, b: P) -> P {
@@ -151,6 +151,22 @@ impl Polytope {
         let further =
             |best: P, corner: &P| if dot(*corner, direction) > dot(best, direction) { *corner } else { best };
         self.corners().iter().fold(self.corners[0], further)
+    }
+
+    /// The least and the greatest coordinate of its corners along a direction.
+    #[inline]
+    pub(super) fn range(&self, direction: P) -> [f64; 2] {
+        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+        for corner in self.corners() {
+            let place = dot(*corner, direction);
+            if place < range[0] {
+                range[0] = place;
+            }
+            if place > range[1] {
+                range[1] = place;
+            }
+        }
+        range
     }
 
     pub(super) fn contains(&self, point: P) -> bool {

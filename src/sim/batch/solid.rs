@@ -10,7 +10,8 @@
 //! `engine_collision_convex.c`).
 
 use super::convex::{
-    Face, Hit, P, Polytope, Solid, add, axpy, cross, dot, nearest_places, on_lines, sub, times, unit,
+    Face, Hit, P, PARALLEL, Polytope, Solid, add, axpy, cross, dot, nearest_places, on_lines, sub, times,
+    unit,
 };
 use super::cylinder;
 use super::figures::ShapeKind;
@@ -20,6 +21,8 @@ use super::model::{Block, Field, Ground};
 /// within which it does not count as better.
 const ALIKE: f64 = 0.99;
 const HARDLY: f64 = 0.05;
+/// Margin in m, far above rounding, from which on depths along directions of any length decide.
+const SURE: f64 = 1e-9;
 /// Margin in m by which an edge must be better than a face to be chosen; smaller differences are rounding.
 const HAIR: f64 = 1e-10;
 
@@ -199,13 +202,15 @@ struct Overlap {
 /// The least overlap of a box with the ground (separating axis theorem) and the least one along a face
 /// normal; `None` if they are separated. A box without extent along some of its axes is a line or a plate.
 fn least_overlaps(solid: &Solid, arms: [P; 3], ground: &Polytope) -> Option<[Overlap; 2]> {
-    let overlap = |normal: P| {
+    // Depths along a direction and against it.
+    let depths = |normal: P, [low, high]: [f64; 2]| {
         let reach: f64 = arms.iter().map(|arm| dot(*arm, normal).abs()).sum();
-        dot(ground.furthest(normal), normal) - (dot(solid.centre, normal) - reach)
+        let centre = dot(solid.centre, normal);
+        [high - (centre - reach), -low - (-centre - reach)]
     };
     let mut best = Overlap { depth: f64::INFINITY, normal: [0.0; 3], feature: Feature::Own };
     for (index, face) in ground.faces().iter().enumerate() {
-        let depth = overlap(face.normal);
+        let [depth, _] = depths(face.normal, ground.range(face.normal));
         if depth <= 0.0 {
             return None;
         }
@@ -214,8 +219,7 @@ fn least_overlaps(solid: &Solid, arms: [P; 3], ground: &Polytope) -> Option<[Ove
         }
     }
     for axis in solid.axes {
-        for normal in [axis, times(-1.0, axis)] {
-            let depth = overlap(normal);
+        for (normal, depth) in [axis, times(-1.0, axis)].into_iter().zip(depths(axis, ground.range(axis))) {
             if depth <= 0.0 {
                 return None;
             }
@@ -226,17 +230,24 @@ fn least_overlaps(solid: &Solid, arms: [P; 3], ground: &Polytope) -> Option<[Ove
     }
     let face = best;
     for (line, [from, to]) in ground.edges().iter().enumerate() {
-        let along = sub(ground.corners[*to], ground.corners[*from]);
-        let Some(along) = unit(along) else { continue };
+        let raw = sub(ground.corners[*to], ground.corners[*from]);
         for (index, axis) in solid.axes.iter().enumerate() {
+            let crossed = cross(*axis, raw);
+            match compared(depths(crossed, ground.range(crossed)), crossed, raw, best.depth) {
+                Compared::Apart => return None,
+                Compared::Deeper => continue,
+                Compared::Close => {}
+            }
+            let Some(along) = unit(raw) else { continue };
             let Some(normal) = unit(cross(*axis, along)) else { continue };
-            for normal in [normal, times(-1.0, normal)] {
-                let depth = overlap(normal);
+            let (range, line_at) = (ground.range(normal), dot(ground.corners[*from], normal));
+            // Whether no corner lies beyond the edge.
+            let supports = [range[1] <= line_at + 1e-9, -range[0] <= -line_at + 1e-9];
+            let both = [normal, times(-1.0, normal)].into_iter().zip(depths(normal, range));
+            for ((normal, depth), supports) in both.zip(supports) {
                 if depth <= 0.0 {
                     return None;
                 }
-                let supports =
-                    dot(ground.furthest(normal), normal) <= dot(ground.corners[*from], normal) + 1e-9;
                 if supports && depth < best.depth - HAIR {
                     best = Overlap { depth, normal, feature: Feature::Edges(index, line) };
                 }
@@ -244,6 +255,33 @@ fn least_overlaps(solid: &Solid, arms: [P; 3], ground: &Polytope) -> Option<[Ove
         }
     }
     Some([best, face])
+}
+
+/// What depths along a direction and against it tell without the root and the divisions of a unit vector.
+enum Compared {
+    /// The solids are separated.
+    Apart,
+    /// Both depths are greater than the least one so far.
+    Deeper,
+    /// Neither is certain.
+    Close,
+}
+
+/// Compares depths along `direction`, which is orthogonal to the edge `raw` and has a length of its own.
+fn compared(depths: [f64; 2], direction: P, raw: P, least: f64) -> Compared {
+    let (square, length) = (dot(direction, direction), dot(raw, raw));
+    // No direction, or nearly none, is left to the vectors of unit length.
+    if length <= PARALLEL || square < 1e3 * PARALLEL * length {
+        return Compared::Close;
+    }
+    let is_beyond = |depth: f64, bound: f64| depth * depth > bound * bound * square;
+    if depths.iter().any(|depth| *depth < 0.0 && is_beyond(*depth, SURE)) {
+        Compared::Apart
+    } else if depths.iter().all(|depth| *depth > 0.0 && is_beyond(*depth, least + SURE)) {
+        Compared::Deeper
+    } else {
+        Compared::Close
+    }
 }
 
 /// A box: the contact is along the direction of least overlap.
@@ -405,6 +443,75 @@ mod tests {
         let found = hits(&lying, &block());
         assert_eq!(found.len(), 2, "both ends");
         assert!(found.iter().all(|hit| (hit.distance + 0.01).abs() < 1e-12));
+    }
+
+    /// The least overlaps by unit vectors alone: every direction, one after the other.
+    fn plainly(solid: &Solid, arms: [P; 3], ground: &Polytope) -> Option<[Overlap; 2]> {
+        let overlap = |normal: P| {
+            let reach: f64 = arms.iter().map(|arm| dot(*arm, normal).abs()).sum();
+            dot(ground.furthest(normal), normal) - (dot(solid.centre, normal) - reach)
+        };
+        let both = |normal: P| [normal, times(-1.0, normal)];
+        let of_ground =
+            ground.faces().iter().enumerate().map(|(index, face)| (face.normal, Feature::Ground(index)));
+        let own = solid.axes.into_iter().flat_map(both).map(|normal| (normal, Feature::Own));
+        let mut best = Overlap { depth: f64::INFINITY, normal: [0.0; 3], feature: Feature::Own };
+        for (normal, feature) in of_ground.chain(own) {
+            let depth = overlap(normal);
+            if depth <= 0.0 {
+                return None;
+            }
+            if depth < best.depth - HAIR {
+                best = Overlap { depth, normal, feature };
+            }
+        }
+        let face = best;
+        for (line, edge) in ground.edges().iter().enumerate() {
+            let [from, to] = edge.map(|corner| ground.corners[corner]);
+            let Some(along) = unit(sub(to, from)) else { continue };
+            for (index, axis) in solid.axes.iter().enumerate() {
+                let Some(normal) = unit(cross(*axis, along)) else { continue };
+                for normal in both(normal) {
+                    let depth = overlap(normal);
+                    if depth <= 0.0 {
+                        return None;
+                    }
+                    let supports = dot(ground.furthest(normal), normal) <= dot(from, normal) + 1e-9;
+                    if supports && depth < best.depth - HAIR {
+                        best = Overlap { depth, normal, feature: Feature::Edges(index, line) };
+                    }
+                }
+            }
+        }
+        Some([best, face])
+    }
+
+    #[test]
+    fn what_is_skipped_changes_no_bit_of_an_overlap() {
+        let mut stream = crate::stream::Stream::new("test/least_overlaps");
+        let mut number = |scale: f64| scale * stream.normal();
+        let [mut apart, mut by_edges] = [0, 0];
+        for round in 0..4000 {
+            let along = if round % 4 == 0 { [0.0, 0.0, 1.0] } else { [number(0.1), number(0.1), 1.0] };
+            let z = unit(along).expect("it points up");
+            let x = unit(cross([0.0, 1.0, 0.0], z)).expect("it is not along y");
+            let axes = [x, cross(z, x), z];
+            let centre = [number(0.1), number(0.1), 0.01 + number(0.02)];
+            let solid = Solid { kind: ShapeKind::Box, centre, axes, size: [0.15, 0.08, 0.014] };
+            let arms: [P; 3] = std::array::from_fn(|axis| times(solid.size[axis], solid.axes[axis]));
+            let mut relief = || number(if round % 3 == 0 { 0.0 } else { 0.01 });
+            let top = [[0.0, 0.0, relief()], [0.1, 0.0, relief()], [0.1, 0.1, relief()]];
+            let ground = Polytope::prism(&top, -0.1);
+            let bits = |found: Option<[Overlap; 2]>| {
+                found.map(|both| both.map(|one| (one.depth.to_bits(), one.normal.map(f64::to_bits))))
+            };
+            let found = least_overlaps(&solid, arms, &ground);
+            apart += usize::from(found.is_none());
+            by_edges +=
+                usize::from(found.is_some_and(|[best, _]| matches!(best.feature, Feature::Edges(..))));
+            assert_eq!(bits(found), bits(plainly(&solid, arms, &ground)), "{solid:?} {top:?}");
+        }
+        assert!(apart > 400 && by_edges > 40, "every case occurs: {apart} {by_edges}");
     }
 
     #[test]
