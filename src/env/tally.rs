@@ -29,8 +29,10 @@ impl Tally {
     /// Adds a physics step: its contacts and the torques in N m that were commanded for it.
     pub fn add(&mut self, contacts: &Contacts, torque: &[f64]) {
         self.count += 1.0;
-        for (sum, force) in self.force.iter_mut().zip(&contacts.foot_force) {
-            sum.iter_mut().zip(force).for_each(|(sum, force)| *sum += force);
+        for foot in 0..2 {
+            for axis in 0..3 {
+                self.force[foot][axis] += contacts.foot_force[foot][axis];
+            }
         }
         self.body |= contacts.body;
         self.torque.iter_mut().zip(torque).for_each(|(sum, torque)| *sum += torque);

@@ -85,7 +85,9 @@ pub(super) fn norm(gradient: &[f32]) -> f64 {
     let (chunks, rest) = gradient.as_chunks::<16>();
     let mut parts = [0.0f32; 16];
     for chunk in chunks {
-        parts.iter_mut().zip(chunk).for_each(|(part, x)| *part += x * x);
+        for i in 0..16 {
+            parts[i] += chunk[i] * chunk[i];
+        }
     }
     let sum = parts
         .iter()

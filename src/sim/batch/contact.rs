@@ -8,7 +8,7 @@
 use super::convex::Solid;
 use super::figures::{Figures, IMPEDANCE, ShapeKind, Topology, WIDTH};
 use super::lane::{Kernel, Lane, Mask};
-use super::math::{Columns, V3, add, axpy, composed, cross, cross_add, dot, scaled, sub, turned};
+use super::math::{Columns, V3, add, axpy, composed, cross, cross_add, dot, scaled, splat3, sub, turned};
 use super::model::{Ground, Plane};
 use super::solid;
 use super::work::{Motion, Work};
@@ -71,7 +71,7 @@ struct Surface<L> {
 impl<L: Lane> Surface<L> {
     #[inline(always)]
     fn new(plane: &Plane) -> Self {
-        Self { point: plane.point.map(L::splat), normal: plane.normal.map(L::splat) }
+        Self { point: splat3(plane.point), normal: splat3(plane.normal) }
     }
 
     /// Height of a world point above the plane.
@@ -139,8 +139,9 @@ fn planar<L: Lane>(
     let height = plane.height(add(state.position, at.place));
     match at.kind {
         ShapeKind::Box => {
-            let arms: [V3<L>; 3] = std::array::from_fn(|k| scaled(at.size[k], at.turn[k]));
-            let rise: [L; 3] = std::array::from_fn(|k| dot(n, arms[k]));
+            let ([a, b, c], [u, v, w]) = (at.size, at.turn);
+            let arms: [V3<L>; 3] = [scaled(a, u), scaled(b, v), scaled(c, w)];
+            let rise = [dot(n, arms[0]), dot(n, arms[1]), dot(n, arms[2])];
             let mut found = L::zero();
             for corner in 0..8 {
                 let lift = corner_of(corner, rise);
@@ -203,14 +204,16 @@ fn cylinder<L: Lane>(
     let [radius, length, _] = at.size;
     let along = dot(n, at.turn[2]);
     let down = zero.lt(along);
-    let axis = at.turn[2].map(|part| L::select(down, -part, part));
+    let [x, y, z] = at.turn[2];
+    let axis = [L::select(down, -x, x), L::select(down, -y, y), L::select(down, -z, z)];
     let along = L::select(down, -along, along);
     // The component of -n orthogonal to the axis.
     let across = sub(scaled(along, axis), n);
     let square = dot(across, across);
     let upright = square.lt(L::splat(1e-30));
     let scale = radius / L::select(upright, L::splat(1.0), square).sqrt();
-    let rim: V3<L> = std::array::from_fn(|i| L::select(upright, at.turn[0][i] * radius, across[i] * scale));
+    let ([x, y, z], [u, v, w]) = (scaled(radius, at.turn[0]), scaled(scale, across));
+    let rim = [L::select(upright, x, u), L::select(upright, y, v), L::select(upright, z, w)];
     let drop = dot(rim, n);
     let axis = scaled(length, axis);
     let end = along * length;

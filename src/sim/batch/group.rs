@@ -8,7 +8,7 @@ use super::contact::Touch;
 use super::dynamics::Smooth;
 use super::figures::{Figures, Topology};
 use super::lane::{Kernel, Lane, Mask};
-use super::math::{V3, dot, sin_cos};
+use super::math::{V3, dot, scaled, sin_cos};
 use super::model::Ground;
 use super::newton;
 use super::scratch::Scratch;
@@ -134,16 +134,23 @@ impl<L: Lane> Lanes<L> {
         lanes
     }
 
+    #[inline]
     fn set(values: &mut [L], index: usize, lane: usize, number: f64) {
         L::numbers_mut(values)[index * L::LANES + lane] = number;
     }
 
+    #[inline]
     fn get(values: &[L], index: usize, lane: usize) -> f64 {
         L::numbers(values)[index * L::LANES + lane]
     }
 
+    #[inline]
     fn array<const N: usize>(values: &[L; N], lane: usize) -> [f64; N] {
-        std::array::from_fn(|index| Self::get(values, index, lane))
+        let mut numbers = [0.0; N];
+        for index in 0..N {
+            numbers[index] = Self::get(values, index, lane);
+        }
+        numbers
     }
 }
 
@@ -210,13 +217,16 @@ impl<L: Lane> Group for Lanes<L> {
         state.base_velocity = Self::array(&motion.velocity, lane);
         state.base_rate = Self::array(&motion.rate, lane);
         state.position.clear();
-        state.position.extend(self.counted.iter().map(|own| Self::get(&motion.joints, *own, lane)));
         state.velocity.clear();
-        state.velocity.extend(self.counted.iter().map(|own| Self::get(&motion.joint_rates, *own, lane)));
+        for &own in &self.counted {
+            state.position.push(Self::get(&motion.joints, own, lane));
+            state.velocity.push(Self::get(&motion.joint_rates, own, lane));
+        }
     }
 
     fn contacts(&self, lane: usize) -> Contacts {
-        let foot_force = std::array::from_fn(|foot| Self::array(&self.state.foot_force[foot], lane));
+        let [left, right] = &self.state.foot_force;
+        let foot_force = [Self::array(left, lane), Self::array(right, lane)];
         Contacts { foot_force, body: Self::get(&[self.state.body_touch], 0, lane) != 0.0 }
     }
 
@@ -274,9 +284,9 @@ impl<L: Lane> Kernel<L> for Integrate<'_, L> {
         let Scratch { total, hessian, acceleration, foot_force, body_touch, .. } = solver;
         if damped.any() {
             hessian.copy(mass);
-            for (row, damping) in tree.rows.iter().zip(&figures.damping) {
-                let entry = &mut hessian.rows[row.diagonal()];
-                *entry = h.fma(*damping, *entry);
+            for joint in 0..tree.joints() {
+                let entry = &mut hessian.rows[tree.rows[joint].diagonal()];
+                *entry = h.fma(figures.damping[joint], *entry);
             }
             hessian.factor(tree, scratch);
             hessian.solve(tree, total);
@@ -295,17 +305,20 @@ impl<L: Lane> Kernel<L> for Integrate<'_, L> {
                 stepped(due, h.fma(state.joint_rates[joint], state.joints[joint]), state.joints[joint]);
         }
         let orientation = turned_on(state.orientation, state.rate, h);
-        for (own, part) in state.orientation.iter_mut().zip(orientation) {
-            *own = stepped(due, part, *own);
+        for i in 0..4 {
+            state.orientation[i] = stepped(due, orientation[i], state.orientation[i]);
         }
         let known = state.fresh.lt(L::splat(0.5));
-        for ((warm, old), new) in state.warm.iter_mut().zip(&mut state.acceleration).zip(&*acceleration) {
-            *warm = stepped(due, *new + L::keep(known, *new - *old), *warm);
-            *old = stepped(due, *new, *old);
+        for i in 0..acceleration.len() {
+            let (new, old) = (acceleration[i], state.acceleration[i]);
+            state.warm[i] = stepped(due, new + L::keep(known, new - old), state.warm[i]);
+            state.acceleration[i] = stepped(due, new, old);
         }
         state.fresh = stepped(due, L::zero(), state.fresh);
-        for (own, force) in state.foot_force.as_flattened_mut().iter_mut().zip(foot_force.as_flattened()) {
-            *own = stepped(due, *force, *own);
+        for foot in 0..2 {
+            for i in 0..3 {
+                state.foot_force[foot][i] = stepped(due, foot_force[foot][i], state.foot_force[foot][i]);
+            }
         }
         state.body_touch = stepped(due, *body_touch, state.body_touch);
         state.sane = sane(state);
@@ -325,7 +338,7 @@ fn turned_on<L: Lane>([w, x, y, z]: [L; 4], rate: V3<L>, time: L) -> [L; 4] {
     let half = L::splat(0.5);
     let speed = dot(rate, rate).max(L::splat(1e-24)).sqrt();
     let (sine, cosine) = sin_cos(half * time * speed);
-    let [a, b, c] = rate.map(|part| part * (sine / speed));
+    let [a, b, c] = scaled(sine / speed, rate);
     // (cosine, a, b, c) times (w, x, y, z).
     let turned = [
         cosine * w - a * x - b * y - c * z,
@@ -335,5 +348,5 @@ fn turned_on<L: Lane>([w, x, y, z]: [L; 4], rate: V3<L>, time: L) -> [L; 4] {
     ];
     let [w, x, y, z] = turned;
     let length = w.fma(w, x.fma(x, y.fma(y, z * z))).sqrt();
-    turned.map(|part| part / length)
+    [w / length, x / length, y / length, z / length]
 }

@@ -12,6 +12,12 @@ pub fn zero3<L: Lane>() -> V3<L> {
     [L::zero(); 3]
 }
 
+/// The same vector in every lane.
+#[inline(always)]
+pub fn splat3<L: Lane>(v: [f64; 3]) -> V3<L> {
+    [L::splat(v[0]), L::splat(v[1]), L::splat(v[2])]
+}
+
 #[inline(always)]
 pub fn cross<L: Lane>(a: V3<L>, b: V3<L>) -> V3<L> {
     [a[2].fnma(b[1], a[1] * b[2]), a[0].fnma(b[2], a[2] * b[0]), a[1].fnma(b[0], a[0] * b[1])]

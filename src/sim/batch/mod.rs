@@ -5,6 +5,10 @@
 //! height fields, but not with each other. The same robot in the same state gives the same bits under every
 //! instruction set and in every lane, whatever the other lanes hold: all instruction sets use the same IEEE
 //! operations and fused multiply-adds in the same order, and none across lanes.
+//!
+//! What runs in every physics step is `#[inline(always)]` and loops over indices: iterators such as `zip` and
+//! `array::from_fn` are compiled in another part of the crate, without the instruction set, and are not
+//! inlined without link-time optimisation.
 
 mod compile;
 mod constraint;

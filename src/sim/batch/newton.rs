@@ -71,8 +71,8 @@ impl<L: Lane> Kernel<L> for Solve<'_, L> {
             steps += 1;
             hessian(topology, axes, mass, contacts, solver);
             solver.hessian.factor(tree, scratch);
-            for (s, g) in solver.search.iter_mut().zip(&solver.gradient) {
-                *s = -*g;
+            for i in 0..solver.search.len() {
+                solver.search[i] = -solver.gradient[i];
             }
             solver.hessian.solve(tree, &mut solver.search);
             mass.times(tree, &solver.search, &mut solver.inertial_search);
@@ -86,8 +86,8 @@ impl<L: Lane> Kernel<L> for Solve<'_, L> {
                 contact.square_change = dot(tangent, tangent);
             }
             let mut slope = solver.gradient[0] * solver.search[0];
-            for (g, s) in solver.gradient[1..].iter().zip(&solver.search[1..]) {
-                slope = g.fma(*s, slope);
+            for i in 1..solver.search.len() {
+                slope = solver.gradient[i].fma(solver.search[i], slope);
             }
             let length = search(figures, smooth, contacts, solver, live, slope);
             advance(contacts, solver, live, length);
@@ -181,16 +181,15 @@ fn gradient<L: Lane>(
     solver: &mut Scratch<L>,
 ) {
     let (zero, joints) = (L::zero(), axes.len());
-    for ((gradient, inertial), smooth) in solver.gradient.iter_mut().zip(&solver.inertial).zip(smooth) {
-        *gradient = *inertial - *smooth;
+    for i in 0..solver.gradient.len() {
+        solver.gradient[i] = solver.inertial[i] - smooth[i];
     }
-    let rows = solver.gradient[6..].iter_mut().zip(&mut solver.diagonal);
-    let friction = figures.friction.iter().zip(&figures.friction_d).zip(&solver.friction_gap);
-    for ((gradient, diagonal), ((most, d), gap)) in rows.zip(friction) {
-        let force = -(*d * *gap);
-        let bounded = force.min(*most).max(-*most);
-        *diagonal = L::keep(force.abs().lt(*most), *d);
-        *gradient = *gradient - bounded;
+    for joint in 0..joints {
+        let (most, d) = (figures.friction[joint], figures.friction_d[joint]);
+        let force = -(d * solver.friction_gap[joint]);
+        let bounded = force.min(most).max(-most);
+        solver.diagonal[joint] = L::keep(force.abs().lt(most), d);
+        solver.gradient[6 + joint] = solver.gradient[6 + joint] - bounded;
     }
     if solver.limited {
         for joint in 0..joints {
@@ -204,8 +203,10 @@ fn gradient<L: Lane>(
     if !solver.carries[0] {
         return;
     }
-    for (wrench, _) in solver.wrench.iter_mut().zip(&solver.carries).filter(|(_, carries)| **carries) {
-        *wrench = [zero3(); 2];
+    for body in 0..=joints {
+        if solver.carries[body] {
+            solver.wrench[body] = [zero3(); 2];
+        }
     }
     for contact in contacts.iter_mut() {
         cone(contact);
@@ -323,8 +324,8 @@ fn hessian_limb<L: Lane, const N: usize>(
             for i in 0..6 {
                 base[i][k] = mass_base[i][k];
             }
-            for (entry, mass) in above.iter_mut().zip(mass_above) {
-                entry[k] = mass[k];
+            for i in 0..above.len() {
+                above[i][k] = mass_above[i][k];
             }
             for i in 0..k {
                 own[i][k] = mass_own[i][k];
@@ -338,8 +339,8 @@ fn hessian_limb<L: Lane, const N: usize>(
             base[i][k] = mass_base[i][k] + moment[i];
             base[3 + i][k] = mass_base[3 + i][k] + force[i];
         }
-        for ((entry, mass), joint) in above.iter_mut().zip(mass_above).zip(&limb.above) {
-            entry[k] = mass[k] + along(&axes[*joint], moment, force);
+        for i in 0..above.len() {
+            above[i][k] = mass_above[i][k] + along(&axes[limb.above[i]], moment, force);
         }
         for i in 0..k {
             own[i][k] = mass_own[i][k] + along(&own_axes[i], moment, force);
@@ -375,10 +376,10 @@ fn search<L: Lane>(
 ) -> L {
     let (zero, one) = (L::zero(), L::splat(1.0));
     let (mut linear, mut quadratic) = (zero, zero);
-    let along = solver.search.iter().zip(&solver.inertial_search);
-    for ((inertial, smooth), (search, change)) in solver.inertial.iter().zip(smooth).zip(along) {
-        linear = (*inertial - *smooth).fma(*search, linear);
-        quadratic = change.fma(*search, quadratic);
+    for i in 0..solver.search.len() {
+        let search = solver.search[i];
+        linear = (solver.inertial[i] - smooth[i]).fma(search, linear);
+        quadratic = solver.inertial_search[i].fma(search, quadratic);
     }
     let flat = slope.abs() * L::splat(FLATTER);
     let (mut low, mut high) = (zero, L::splat(1e10));
@@ -414,11 +415,11 @@ fn slopes<L: Lane>(
 ) -> (L, L) {
     let zero = L::zero();
     let (mut first, mut second) = (length.fma(quadratic, linear), quadratic);
-    let rows = solver.friction_gap.iter().zip(&solver.search[6..]);
-    for ((gap, s), (d, most)) in rows.zip(figures.friction_d.iter().zip(&figures.friction)) {
-        let force = *d * length.fma(*s, *gap);
-        first = force.min(*most).max(-*most).fma(*s, first);
-        second = L::keep(force.abs().lt(*most), *d).fma(*s * *s, second);
+    for joint in 0..solver.friction_gap.len() {
+        let (s, d, most) = (solver.search[6 + joint], figures.friction_d[joint], figures.friction[joint]);
+        let force = d * length.fma(s, solver.friction_gap[joint]);
+        first = force.min(most).max(-most).fma(s, first);
+        second = L::keep(force.abs().lt(most), d).fma(s * s, second);
     }
     if solver.limited {
         for (joint, sign) in solver.limit_sign.iter().enumerate() {
@@ -461,15 +462,12 @@ fn slopes<L: Lane>(
 #[inline(always)]
 fn advance<L: Lane>(contacts: &mut [Contact<L>], solver: &mut Scratch<L>, live: L::Mask, length: L) {
     let step = |from: &mut L, along: L| *from = L::select(live, length.fma(along, *from), *from);
-    let vectors = solver.acceleration.iter_mut().zip(&mut solver.inertial);
-    for ((acceleration, inertial), (search, change)) in
-        vectors.zip(solver.search.iter().zip(&solver.inertial_search))
-    {
-        step(acceleration, *search);
-        step(inertial, *change);
+    for i in 0..solver.search.len() {
+        step(&mut solver.acceleration[i], solver.search[i]);
+        step(&mut solver.inertial[i], solver.inertial_search[i]);
     }
-    for (gap, search) in solver.friction_gap.iter_mut().zip(&solver.search[6..]) {
-        step(gap, *search);
+    for joint in 0..solver.friction_gap.len() {
+        step(&mut solver.friction_gap[joint], solver.search[6 + joint]);
     }
     for contact in contacts {
         for i in 0..3 {

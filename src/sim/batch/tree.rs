@@ -197,6 +197,12 @@ pub fn block_mut<'a, L, const N: usize>(
     (outer, own.first_chunk_mut().expect("a block ends with the limb's own columns"))
 }
 
+/// Part of a vector, from an index on.
+#[inline(always)]
+fn part_of<L: Lane, const N: usize>(x: &[L], first: usize) -> [L; N] {
+    *x[first..].first_chunk().expect("a vector has a number for every joint")
+}
+
 /// Calls a function with the limb's number of joints as a constant.
 macro_rules! by_length {
     ($limb:expr, $function:ident($($argument:expr),*)) => {
@@ -246,8 +252,9 @@ impl<L: Lane> Kernel<L> for Times<'_, L> {
 fn times_limb<L: Lane, const N: usize>(limb: &Limb, rows: &[L], x: &[L], y: &mut [L]) {
     let first = 6 + limb.first;
     let (outer, own) = block::<L, N>(limb, rows);
-    let (x_own, mut sum): ([L; N], _) = (std::array::from_fn(|k| x[first + k]), [L::zero(); N]);
-    for (column, &at) in outer.iter().zip(&limb.columns) {
+    let (x_own, mut sum) = (part_of::<L, N>(x, first), [L::zero(); N]);
+    for j in 0..outer.len() {
+        let (column, at) = (&outer[j], limb.columns[j]);
         let (xj, mut yj) = (x[at], y[at]);
         for k in 0..N {
             sum[k] = column[k].fma(xj, sum[k]);
@@ -324,16 +331,16 @@ fn factor_limb<L: Lane, const N: usize>(limb: &Limb, tree: &Tree, matrix: &mut M
     }
     // The columns before division by D are stored in the scratch.
     let undivided = &mut scratch.as_chunks_mut::<N>().0[..outer.len()];
-    for (column, undivided) in outer.iter_mut().zip(&mut *undivided) {
-        let mut v = *column;
+    for j in 0..outer.len() {
+        let mut v = outer[j];
         for k in (0..N).rev() {
             for i in 0..k {
                 v[i] = a[k][i].fnma(v[k], v[i]);
             }
         }
-        *undivided = v;
+        undivided[j] = v;
         for k in 0..N {
-            column[k] = v[k] * a[k][k];
+            outer[j][k] = v[k] * a[k][k];
         }
     }
     let less = |mut entry: L, scaled: &[L; N], undivided: &[L; N]| {
@@ -347,11 +354,11 @@ fn factor_limb<L: Lane, const N: usize>(limb: &Limb, tree: &Tree, matrix: &mut M
             matrix.base[i][j] = less(matrix.base[i][j], &outer[i], &undivided[j]);
         }
     }
-    for (scaled, &joint) in outer[6..].iter().zip(&limb.above) {
-        let row = tree.rows[joint];
-        let entries = higher[row.start..].iter_mut().step_by(row.stride);
-        for (entry, undivided) in entries.zip(&undivided[..row.count]) {
-            *entry = less(*entry, scaled, undivided);
+    for i in 0..limb.above.len() {
+        let (scaled, row) = (&outer[6 + i], tree.rows[limb.above[i]]);
+        for j in 0..row.count {
+            let entry = &mut higher[row.at(j)];
+            *entry = less(*entry, scaled, &undivided[j]);
         }
     }
 }
@@ -372,7 +379,7 @@ impl<L: Lane> Kernel<L> for Solve<'_, L> {
             by_length!(limb, solve_up(limb, rows, x));
         }
         let base = &matrix.base;
-        let mut b: [L; 6] = std::array::from_fn(|i| x[i]);
+        let mut b = part_of::<L, 6>(x, 0);
         for k in (0..6).rev() {
             for j in 0..k {
                 b[j] = base[k][j].fnma(b[k], b[j]);
@@ -397,13 +404,14 @@ impl<L: Lane> Kernel<L> for Solve<'_, L> {
 fn solve_up<L: Lane, const N: usize>(limb: &Limb, rows: &[L], x: &mut [L]) {
     let first = 6 + limb.first;
     let (outer, own) = block::<L, N>(limb, rows);
-    let mut v: [L; N] = std::array::from_fn(|k| x[first + k]);
+    let mut v = part_of::<L, N>(x, first);
     for k in (0..N).rev() {
         for i in 0..k {
             v[i] = own[i][k].fnma(v[k], v[i]);
         }
     }
-    for (column, &at) in outer.iter().zip(&limb.columns) {
+    for j in 0..outer.len() {
+        let (column, at) = (&outer[j], limb.columns[j]);
         let mut b = x[at];
         for k in 0..N {
             b = column[k].fnma(v[k], b);
@@ -419,9 +427,9 @@ fn solve_up<L: Lane, const N: usize>(limb: &Limb, rows: &[L], x: &mut [L]) {
 fn solve_down<L: Lane, const N: usize>(limb: &Limb, rows: &[L], x: &mut [L]) {
     let first = 6 + limb.first;
     let (outer, own) = block::<L, N>(limb, rows);
-    let mut v: [L; N] = std::array::from_fn(|k| x[first + k]);
-    for (column, &at) in outer.iter().zip(&limb.columns) {
-        let b = x[at];
+    let mut v = part_of::<L, N>(x, first);
+    for j in 0..outer.len() {
+        let (column, b) = (&outer[j], x[limb.columns[j]]);
         for k in 0..N {
             v[k] = column[k].fnma(b, v[k]);
         }

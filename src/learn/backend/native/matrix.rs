@@ -170,7 +170,9 @@ fn rows_of_product(target: &mut [f32], beta: Beta, a: Matrix, b: Matrix, block: 
                 if b.has_whole_rows() && target.len() == LANES {
                     let start = b.place(index, first);
                     let numbers: &[f32; LANES] = b.numbers[start..start + LANES].try_into().expect("as many");
-                    sums.iter_mut().zip(numbers).for_each(|(sum, y)| *sum = x.mul_add(*y, *sum));
+                    for lane in 0..LANES {
+                        sums[lane] = x.mul_add(numbers[lane], sums[lane]);
+                    }
                 } else {
                     for (lane, sum) in sums.iter_mut().enumerate().take(target.len()) {
                         *sum = x.mul_add(b.numbers[b.place(index, first + lane)], *sum);
