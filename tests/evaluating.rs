@@ -200,6 +200,11 @@ fn events_beyond_the_episode_are_refused_as_in_a_spec() {
             &["`--terrain` is never reached"],
         ),
         (
+            &["--engine", "batch", "--rate", "50 Hz"],
+            "E0521",
+            &["need a physics rate of 100 Hz or more", "raise `--rate` to"],
+        ),
+        (
             &["--time-limit", "2.004 s"],
             "E0506",
             &["`--time-limit` (2.004 s) is not a whole number", "\"2 s\" and \"2.008 s\""],

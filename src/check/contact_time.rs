@@ -1,11 +1,9 @@
-//! E0521: contact time constants under two physics steps, which MuJoCo would raise and the batch engine
-//! cannot simulate.
+//! E0521: contact time constants under two physics steps, which MuJoCo and the batch engine would raise.
 
 use super::subject::duration;
 use super::{Subject, rates};
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::evaluate::Setting;
-use crate::kinds::fine_tune::FineTuning;
 use crate::kinds::physics::Physics;
 use crate::sim::EngineName;
 use crate::spec::typed::InSection;
@@ -13,52 +11,51 @@ use crate::spec::typed::InSection;
 /// Default time constant of contacts in s.
 const CONTACT_TIME: f64 = 0.02;
 
-/// The tables of a spec that run such an engine, with its name: training, fine-tuning, evaluations,
-/// transfers.
-fn arenas(subject: &Subject) -> Vec<(String, EngineName)> {
-    let trained = subject.at(Physics::engine);
-    let tuned = subject.spec().within::<FineTuning>().map(|table| (FineTuning::SECTION.to_owned(), table));
-    let others = tuned.into_iter().chain(subject.protocols());
-    let others = others.filter_map(|(path, table)| Some((path, table.value(Setting::engine).or(trained)?)));
-    let training = trained.map(|engine| (Physics::SECTION.to_owned(), engine));
-    training.into_iter().chain(others).filter(|(_, engine)| engine.facts().contacts_take_two_steps).collect()
-}
-
 /// A contact's time constant is at least two physics steps.
 pub fn contacts_are_slower_than_steps(subject: &Subject, sink: &mut Sink) {
-    for (path, engine) in arenas(subject) {
-        let key = Setting::contact_time.below(&path);
-        let own_rate = Setting::rate.below(&path);
-        let own = subject.number(&key);
-        let rate = subject.number(&own_rate).or_else(|| subject.at(Physics::rate));
-        let Some(step) = rate.filter(|rate| *rate > 0.0).map(|rate| 1.0 / rate) else { continue };
-        let time = own.unwrap_or(CONTACT_TIME);
-        if time >= 2.0 * step * (1.0 - 1e-9) {
-            continue;
-        }
-        // If the rate is inherited from the training, report it once, there.
-        let has_rate = path == Physics::SECTION || subject.number(&own_rate).is_some();
-        if own.is_none() && !has_rate {
-            continue;
-        }
-        let message = format!(
-            "in engine `{}` contacts with a time constant of {} need a physics rate of {} Hz or more",
-            engine.word(),
-            duration(time),
-            whole_hertz(time)
-        );
-        let mut diagnostic = Diagnostic::error("E0521", message);
-        let at = if own.is_some() { key } else { own_rate.clone() };
-        if let Some(place) = subject.place(&at) {
-            diagnostic = diagnostic.at(place, "physics step too long");
-        }
-        let key = if subject.number(&own_rate).is_some() { own_rate } else { Physics::rate.path() };
-        let fitting =
-            rates::from(subject, &key, 2.0 / time).map(|rate| format!("raise `{key}` to {rate} Hz, or "));
-        let slower = duration(2.0 * step);
-        let fix = format!("{}use a `contact_time` of {slower} or more", fitting.unwrap_or_default());
-        sink.emit(diagnostic.help(fix));
+    for (path, engine) in subject.arenas() {
+        contact_is_slower_than_steps(subject, &path, engine, true, sink);
     }
+}
+
+/// The same in the table at this path, which runs in this engine; with `is_spec` its contacts can be softened.
+pub(super) fn contact_is_slower_than_steps(
+    subject: &Subject,
+    path: &str,
+    engine: EngineName,
+    is_spec: bool,
+    sink: &mut Sink,
+) {
+    let key = Setting::contact_time.below(path);
+    let own_rate = Setting::rate.below(path);
+    let own = subject.number(&key);
+    let rate = subject.number(&own_rate).or_else(|| subject.at(Physics::rate));
+    let Some(step) = rate.filter(|rate| *rate > 0.0).map(|rate| 1.0 / rate) else { return };
+    let time = own.unwrap_or(CONTACT_TIME);
+    if !engine.facts().contacts_take_two_steps || time >= 2.0 * step * (1.0 - 1e-9) {
+        return;
+    }
+    // If the rate is inherited from the training, report it once, there.
+    let has_rate = path == Physics::SECTION || subject.number(&own_rate).is_some();
+    if own.is_none() && !has_rate {
+        return;
+    }
+    let message = format!(
+        "in engine `{}` contacts with a time constant of {} need a physics rate of {} Hz or more",
+        engine.word(),
+        duration(time),
+        whole_hertz(time)
+    );
+    let mut diagnostic = Diagnostic::error("E0521", message);
+    let at = if own.is_some() { key } else { own_rate.clone() };
+    if let Some(place) = subject.place(&at) {
+        diagnostic = diagnostic.at(place, "physics step too long");
+    }
+    let key = if subject.number(&own_rate).is_some() { own_rate } else { Physics::rate.path() };
+    let fitting = rates::from(subject, &key, 2.0 / time).map(|rate| format!("raise `{key}` to {rate} Hz"));
+    let slower = is_spec.then(|| format!("use a `contact_time` of {} or more", duration(2.0 * step)));
+    let fixes: Vec<String> = fitting.into_iter().chain(slower).collect();
+    sink.emit(diagnostic.help(fixes.join(", or ")));
 }
 
 /// The lowest whole rate in Hz at which a time constant in s spans two steps.

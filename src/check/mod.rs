@@ -6,6 +6,7 @@ mod applicable;
 mod arms;
 mod baseline;
 mod budget;
+mod cells;
 mod chain;
 mod checked;
 mod checker;
@@ -58,6 +59,7 @@ pub use subject::Subject;
 pub use suite::{CheckedSuite, suite, suite_in};
 
 use crate::diag::Sink;
+use crate::sim::EngineName;
 
 /// Applies every rule.
 pub fn check(subject: &Subject, sink: &mut Sink) {
@@ -70,6 +72,13 @@ pub fn check(subject: &Subject, sink: &mut Sink) {
 pub fn evaluation(subject: &Subject, path: &str, sink: &mut Sink) {
     steps::time_limit_is_whole_steps(subject, path, sink);
     scheduled::evaluated_events_are_within_the_episode(subject, path, sink);
+}
+
+/// Applies the rules on the ground and the physics rate of one evaluation by options, the table at this path,
+/// which runs in this engine.
+pub fn arena(subject: &Subject, path: &str, engine: EngineName, sink: &mut Sink) {
+    contact_time::contact_is_slower_than_steps(subject, path, engine, false, sink);
+    cells::cells_are_small(subject, path, engine, sink);
 }
 
 /// The rules in the order in which they report.
@@ -103,6 +112,7 @@ const RULES: &[fn(&Subject, &mut Sink)] = &[
     scales::scales_are_moderate,
     contact_time::contacts_are_slower_than_steps,
     softness::soft_contacts_support_the_feet,
+    cells::cells_are_small_for_the_soles,
     negligible::values_have_an_effect,
     plausible::values_are_plausible,
 ];

@@ -4,12 +4,13 @@ use crate::diag::{Diagnostic, Span};
 use crate::kinds::action::Position;
 use crate::kinds::deploy::Deployment;
 use crate::kinds::evaluate::{Evaluation, Setting, Spread};
-use crate::kinds::fine_tune;
+use crate::kinds::fine_tune::{self, FineTuning};
 use crate::kinds::physics::Physics;
 use crate::kinds::randomize::Rows;
 use crate::kinds::task::Task;
 use crate::kinds::terrain::Ground;
 use crate::robot::Robot;
+use crate::sim::EngineName;
 use crate::spec::typed::{InSection, Key, Part, Typed};
 use crate::spec::{Marks, Section, Table, Value};
 use crate::syntax::Layer;
@@ -97,6 +98,17 @@ impl<'a> Subject<'a> {
     /// The tables of evaluations and transfers as paths, `evaluate.nominal`, `deploy.mujoco`.
     pub fn protocols(&self) -> Vec<(String, Section<'a>)> {
         [self.terms::<Evaluation>(), self.terms::<Deployment>()].concat()
+    }
+
+    /// The tables that run an engine, with its name: training, fine-tuning, evaluations, transfers.
+    pub fn arenas(&self) -> Vec<(String, EngineName)> {
+        let trained = self.at(Physics::engine);
+        let tuned = self.spec().within::<FineTuning>().map(|table| (FineTuning::SECTION.to_owned(), table));
+        let others = tuned.into_iter().chain(self.protocols());
+        let engine = |table: Section| table.value(Setting::engine).or(trained);
+        let others = others.filter_map(|(path, table)| Some((path, engine(table)?)));
+        let training = trained.map(|engine| (Physics::SECTION.to_owned(), engine));
+        training.into_iter().chain(others).collect()
     }
 
     /// The paths of all terrains: `terrain`, that of the fine-tuning, and those of evaluations.

@@ -22,7 +22,7 @@ use crate::kinds::terrain::Ground;
 use crate::kinds::{Reward, Termination, randomize, reward, terminate};
 use crate::robot::self_collision::{Pair, SelfCollision};
 use crate::robot::{GRAVITY, Robot};
-use crate::sim::{Engine, EngineSettings, Terrain};
+use crate::sim::{Engine, EngineError, EngineSettings, State, Terrain};
 use crate::spec::section::RewardTerm;
 use crate::spec::typed::{Declared, InSection};
 use crate::spec::{Sampler, Section, Signal};
@@ -78,7 +78,9 @@ impl Blueprint {
     /// change.
     pub fn scene(&self, engine: Arc<dyn Engine>, mode: &Mode) -> Result<Arc<Scene>, BlueprintError> {
         self.check()?;
-        Scene::new(self, engine, mode).map(Arc::new)
+        let scene = Scene::new(self, engine, mode)?;
+        scene.is_built()?;
+        Ok(Arc::new(scene))
     }
 }
 
@@ -143,6 +145,12 @@ impl Scene {
             },
             robot,
         })
+    }
+
+    /// Fails if the engine refuses the nominal robot on this ground. An episode whose robot is refused ends as
+    /// if its physics had diverged, so the reason would be lost.
+    fn is_built(&self) -> Result<(), EngineError> {
+        self.engine.build(&self.robot, &self.terrain, &self.settings, &State::of(&self.robot)).map(drop)
     }
 
     /// Duration of a control step in s.

@@ -14,11 +14,14 @@ use crate::kinds::evaluate::Setting;
 use crate::kinds::physics::Physics;
 use crate::kinds::pretrain::Pretraining;
 use crate::kinds::task::Task;
+use crate::kinds::terrain::Ground;
+use crate::kinds::terrain::height_field::HeightField;
 use crate::plan::expected::Expected;
 use crate::plan::why::State;
 use crate::plan::{Fingerprint, Plan, Stage, StageKind, budgets, render};
-use crate::sim::EngineName;
+use crate::sim::{EngineFacts, EngineName};
 use crate::spec::Section;
+use crate::spec::typed::Declared;
 
 /// Source of the rates that are used where the store has no measurement.
 const PAGE: &str = "docs/experiments/2026-11-26-batch-engine-speed.md";
@@ -68,6 +71,8 @@ struct Work {
     engine: Option<EngineName>,
     /// Physics steps per control step.
     substeps: f64,
+    /// Whether the ground is a height field, whose contacts take most of the time.
+    is_on_field: bool,
     /// Number of samples, passes of samples, or control steps.
     amount: f64,
 }
@@ -82,7 +87,8 @@ impl Work {
             let pretraining: Pretraining = fields.part()?;
             let lesson = pretraining.lesson();
             let amount = lesson.samples as f64 * lesson.epochs as f64;
-            return Some(Self { family, robot, engine: None, substeps: 0.0, amount });
+            let (engine, substeps, is_on_field) = (None, 0.0, false);
+            return Some(Self { family, robot, engine, substeps, is_on_field, amount });
         }
         let world = Section::new(&env?.fields);
         let (control, physics) = (world.at(Position::rate)?, world.at(Physics::rate)?);
@@ -103,16 +109,20 @@ impl Work {
             }
             _ => (usual, physics, budgets::samples(stage)? as f64),
         };
-        Some(Self { family, robot, engine, substeps: physics / control, amount })
+        let ground = world.within::<Ground>().and_then(|ground| ground.kind());
+        let is_on_field = ground == Some(HeightField::KIND.name);
+        Some(Self { family, robot, engine, substeps: physics / control, is_on_field, amount })
     }
 
     fn is_like(&self, other: &Self) -> bool {
-        (self.family, &self.robot, self.engine) == (other.family, &other.robot, other.engine)
+        let key = |work: &Self| (work.family, work.engine, work.is_on_field);
+        self.robot == other.robot && key(self) == key(other)
     }
 
     /// CPU time in s per unit of work by the project's own measurements.
     fn usual_rate(&self) -> f64 {
-        let physics = self.engine.map_or(0.0, |engine| self.substeps * engine.facts().step_us);
+        let step = |facts: &EngineFacts| if self.is_on_field { facts.field_step_us } else { facts.step_us };
+        let physics = self.engine.map_or(0.0, |engine| self.substeps * step(engine.facts()));
         let rest = match self.family {
             Family::Pretraining => PASS_US,
             Family::Training => SAMPLE_US,
@@ -176,11 +186,12 @@ pub fn expected(store: &Store, plan: &Plan, statuses: &render::Statuses) -> Expe
 fn line(work: &Work, rate: f64, count: usize) -> String {
     let [family, unit] = work.family.words();
     let engine = work.engine.map(|engine| format!(" in {}", engine.word())).unwrap_or_default();
+    let ground = if work.is_on_field { " on a height field" } else { "" };
     let source = match count {
         0 => " (not measured in this store)".to_owned(),
         count => format!(" on {} ({count} finished in this store)", work.robot),
     };
-    format!("{family}: {:.1} us per {unit}{engine}{source}", 1e6 * rate)
+    format!("{family}: {:.1} us per {unit}{engine}{ground}{source}", 1e6 * rate)
 }
 
 /// The finished stages of these families in the store, as far as their robots and engines are known.
@@ -230,7 +241,7 @@ mod tests {
 
     fn training(robot: &str, substeps: f64) -> Work {
         let (family, engine) = (Family::Training, Some(EngineName::Batch));
-        Work { family, robot: robot.into(), engine, substeps, amount: 1e6 }
+        Work { family, robot: robot.into(), engine, substeps, is_on_field: false, amount: 1e6 }
     }
 
     #[test]
@@ -245,6 +256,9 @@ mod tests {
         assert_eq!(rate(&training("g1", 4.0), &known), (90e-6, 1));
         let (own, count) = rate(&training("tocabi", 2.0), &known);
         assert!((own - 34e-6).abs() < 1e-9 && count == 0, "33.7 us were measured: {own}");
+        let on_field = Work { is_on_field: true, ..training("atlas", 4.0) };
+        let (rate_on_field, count) = rate(&on_field, &known);
+        assert!(rate_on_field > 2.0 * own && count == 0, "a field takes longer: {rate_on_field}");
         let evaluation = Work { family: Family::Evaluation, ..training("atlas", 4.0) };
         assert_eq!(rate(&evaluation, &known).1, 0);
         let told = line(&training("atlas", 4.0), 60e-6, 2);

@@ -3,9 +3,8 @@
 use std::collections::BTreeMap;
 use std::panic::AssertUnwindSafe;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
-use super::effort::Effort;
+use super::effort::Meter;
 use super::events::{Event, Events};
 use super::fault::StoreError;
 use super::interrupt::Interrupt;
@@ -96,8 +95,8 @@ impl Workshop<'_> {
             return Ok(Ending::Cached);
         }
         let inputs = self.inputs(order)?;
-        let start = Instant::now();
         let scratch = self.store.scratch(&stage.fingerprint)?;
+        let meter = Meter::begin(self.events, &scratch, order.cpu);
         self.tell_crash(&label, &scratch);
         self.continue_shorter(stage, &label, &scratch)?;
         if let Err(error) = tensorboard::running(self.store, self.plan, stage) {
@@ -113,7 +112,7 @@ impl Workshop<'_> {
             output: draft.folder(),
             scratch: &scratch,
             threads: order.threads.clone(),
-            events: self.events,
+            events: &meter,
             interrupt: self.interrupt,
             failures: order.failures,
         };
@@ -122,8 +121,7 @@ impl Workshop<'_> {
                 crash::working(crash::Work { label: job.label.clone(), key: stage.fingerprint.to_string() });
             self.work(&job)
         };
-        let attempt = Effort { wall_s: start.elapsed().as_secs_f64(), cpu_s: (order.cpu)() };
-        let effort = Effort::spent(&scratch).and(attempt);
+        let (attempt, effort) = (meter.attempt(), meter.total());
         if let Err(error) = worked {
             // Why the stage ended matters more than an error in recording its cost.
             let _ = effort.keep(&scratch);

@@ -25,7 +25,7 @@ pub enum LearnError {
     },
     /// The simulation diverged (NaN or infinity) in every episode of an update.
     #[error(
-        "the simulation diverged (NaN or infinity) in all {episodes} episodes that ended in update {update}; \
+        "the simulation diverged in all {episodes} episodes that ended in update {update}; \
          one of them is in {dump}"
     )]
     Exploded {

@@ -1,6 +1,6 @@
 //! Findings: what the run-time checks of a training report. Independent of the checks themselves.
 //!
-//! A [`Finding`] is a warning of the range W0601 to W0608 with the sample count at which its cause began and,
+//! A [`Finding`] is a warning of the range W0601 to W0610 with the sample count at which its cause began and,
 //! when it went away, ended.
 
 use serde::{Deserialize, Serialize};
@@ -35,6 +35,7 @@ pub fn cure(code: &str) -> &'static str {
         "W0606" => "end episodes that stand still with `terminate.contact_schedule`",
         "W0607" => "choose the term's `k` so that its value varies between states, or drop the term",
         "W0608" => "lower `learn.value.learning_rate`, or scale the rewards with `learn.reward_scale`",
+        "W0610" => "raise `physics.rate`, or look for gains, efforts and inertias that do not fit each other",
         _ => "see its page",
     }
 }

@@ -91,9 +91,8 @@ pub fn judge(arm: &Arm, evaluation: &Evaluation) -> Verdict {
         vec![at_least(evaluation, "survival", SURVIVAL, "survives at least 90 % of the episodes")];
     let own = task.map_or(&[][..], |task| task.criteria);
     criteria.extend(own.iter().filter_map(|criterion| of_task(criterion, arm, evaluation)));
-    if let Some(speed) = asked_speed(arm, evaluation).filter(|speed| arm.travels() && *speed > 0.05) {
-        let text = format!("moves at least at half the asked speed of {speed:.2} m/s");
-        criteria.push(at_least(evaluation, "speed", SPEED_SHARE * speed, &text));
+    if let Some(speed) = asked_speed(arm, evaluation).filter(|speed| arm.travels() && speed.abs() > 0.05) {
+        criteria.push(moves(evaluation, speed));
     }
     let inside = estimate(evaluation, "self_collision");
     let text = "is in self-collision at most 1 % of the time".to_owned();
@@ -154,6 +153,15 @@ fn of_task(criterion: &task::Criterion, arm: &Arm, evaluation: &Evaluation) -> O
     Some(Criterion { text, measured, holds, unmeasured: None })
 }
 
+/// Whether it moves at least at half the speed in m/s that is asked for, in its direction.
+fn moves(evaluation: &Evaluation, speed: f64) -> Criterion {
+    let (least, way) = (SPEED_SHARE * speed.abs(), if speed < 0.0 { " backwards" } else { "" });
+    let measured = estimate(evaluation, "speed");
+    let holds = measured.value.is_some_and(|value| value * speed.signum() >= least - 1e-12);
+    let text = format!("moves{way} at least at half the asked speed of {:.2} m/s", speed.abs());
+    Criterion { text, measured, holds, unmeasured: None }
+}
+
 fn at_least(evaluation: &Evaluation, metric: &str, threshold: f64, text: &str) -> Criterion {
     let measured = estimate(evaluation, metric);
     let holds = measured.value.is_some_and(|value| value >= threshold - 1e-12);
@@ -212,6 +220,19 @@ mod tests {
             judge(&arm("walk"), &evaluation(episode)).holds
         };
         assert!(walking(None) && walking(Some(0.0)) && walking(Some(0.01)) && !walking(Some(0.02)));
+    }
+
+    #[test]
+    fn who_is_asked_to_walk_backwards_has_to() {
+        let walking = |asked, speed| {
+            let (left_support, right_support) = (0.3, 0.3);
+            let episode =
+                Episode { survived: true, left_support, right_support, speed, ..Episode::default() };
+            let evaluation = Evaluation { command: Some(asked), ..evaluation(episode) };
+            judge(&arm("walk"), &evaluation).holds
+        };
+        assert!(walking(-0.3, -0.2) && !walking(-0.3, -0.1) && !walking(-0.3, 0.2));
+        assert!(walking(0.3, 0.2) && !walking(0.3, -0.2));
     }
 
     #[test]

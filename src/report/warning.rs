@@ -65,7 +65,8 @@ pub fn of_evaluations(arm: &Arm, name: &str) -> Vec<String> {
         let exploded = super::tasks::exploded(evaluation);
         if exploded > 0 {
             found.push(format!(
-                "{name}, {engine}: the physics left the realm of numbers in {exploded} episodes."
+                "{name}, {engine}: the physics diverged in {exploded} of {} episodes (`R0001`).",
+                evaluation.episodes.len()
             ));
         }
     }

@@ -18,10 +18,14 @@ pub struct EngineFacts {
     /// CPU time in us of a physics step in a training's rollout, on one core (first table of trainings in
     /// docs/experiments/2026-11-26-batch-engine-speed.md); for estimates only.
     pub step_us: f64,
+    /// The same on a height field with cells of 10 cm (TOCABI).
+    pub field_step_us: f64,
     /// Whether a contact's time constant is at least two physics steps (E0521).
     pub contacts_take_two_steps: bool,
     /// Whether light feet sink into contacts that `contact_time` has softened (W0507).
     pub soft_contacts_sink: bool,
+    /// Whether it gives a shape one contact with each prism of a height field (W0527).
+    pub touches_cells_in_points: bool,
     /// What to do where its library is missing (R0005).
     pub cure: &'static str,
 }
@@ -73,8 +77,10 @@ engines! {
                 of the foot",
             numbers: "rapier 0.36.1, f32",
             step_us: 55.5,
+            field_step_us: 100.0,
             contacts_take_two_steps: false,
             soft_contacts_sink: true,
+            touches_cells_in_points: false,
             cure: ASK_THE_DOCTOR,
         };
     /// MuJoCo
@@ -86,8 +92,10 @@ engines! {
             contacts: "time constant of 20 ms, or `contact_time`; two physics steps if that is longer",
             numbers: "mujoco 3.17.0, f64, figures in a compiled geometry",
             step_us: 29.0,
+            field_step_us: 86.0,
             contacts_take_two_steps: true,
             soft_contacts_sink: false,
+            touches_cells_in_points: true,
             cure: if cfg!(feature = "mujoco") {
                 "fetch it with `make native` in specforge's folder, or name the library's file in the \
                  variable SPECFORGE_MUJOCO; `specforge doctor` says what is missing"
@@ -100,12 +108,15 @@ engines! {
         feature = "batch",
         open = Ok::<_, EngineError>(super::batch::Batch::default()),
         facts = EngineFacts {
-            summary: "MuJoCo's model in Rust, many worlds in each instruction: the fastest for training",
+            summary: "MuJoCo's model in Rust, many worlds in each instruction: the fastest for training, \
+                but on height fields",
             contacts: "time constant of 20 ms, or `contact_time`, of at least two physics steps (E0521)",
             numbers: "batch 2, f64",
             step_us: 2.5,
+            field_step_us: 30.0,
             contacts_take_two_steps: true,
             soft_contacts_sink: false,
+            touches_cells_in_points: true,
             cure: ASK_THE_DOCTOR,
         };
 }

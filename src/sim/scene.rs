@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::robot::Robot;
+
 /// Settings of an engine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EngineSettings {
@@ -61,6 +63,19 @@ pub struct State {
     pub position: Vec<f64>,
     /// Joint velocities in rad/s.
     pub velocity: Vec<f64>,
+}
+
+impl State {
+    /// A robot at rest in its default pose, standing on level ground.
+    pub fn of(robot: &Robot) -> Self {
+        Self {
+            base_position: [0.0, 0.0, robot.standing_height],
+            base_orientation: [1.0, 0.0, 0.0, 0.0],
+            position: robot.default_pose(),
+            velocity: vec![0.0; robot.joints()],
+            ..Self::default()
+        }
+    }
 }
 
 /// Contacts of one physics step.

@@ -38,6 +38,8 @@ impl Terrain {
         let level = |z: f64| Piece::Plane { point: [0.0, 0.0, z], normal: [0.0, 0.0, 1.0] };
         match self {
             Self::Flat => vec![level(0.0)],
+            // MuJoCo refuses a box without a height.
+            Self::BoxObstacle { height: 0.0, .. } => vec![level(0.0)],
             Self::BoxObstacle { centre, half_length, half_width, height } => vec![
                 level(0.0),
                 Piece::Box {
@@ -145,5 +147,11 @@ mod tests {
         assert_eq!(terrain.height(1.3, 0.4), 0.0);
         assert_eq!(terrain.height(1.1, 0.6), 0.0);
         assert_eq!((terrain.obstacle(), Terrain::Flat.obstacle()), (Some([0.8, 1.2]), None));
+        let even = Terrain::BoxObstacle { centre: 1.0, half_length: 0.2, half_width: 0.5, height: 0.0 };
+        assert_eq!(
+            (terrain.pieces().len(), even.pieces().len()),
+            (2, 1),
+            "no engine gets a box without height"
+        );
     }
 }

@@ -137,7 +137,7 @@ fn measured(
         (
             "physics",
             format!(
-                "{:.2} us of CPU per step, {:.2} times the engine called directly ({:.2} us)",
+                "{:.2} us of CPU per step on level ground, {:.2} times the engine called directly ({:.2} us)",
                 speed.physics_us_per_step,
                 speed.physics_us_per_step / speed.engine_us_per_step,
                 speed.engine_us_per_step,

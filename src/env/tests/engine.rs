@@ -30,6 +30,8 @@ pub struct Still {
     pub contacts: Contacts,
     /// Physics steps after which the world reports a diverged state; 0 is never.
     pub insane: usize,
+    /// Why it refuses every robot; empty if it does not.
+    pub refusal: &'static str,
     /// The recorded calls.
     pub record: Arc<Mutex<Record>>,
 }
@@ -56,6 +58,9 @@ impl Engine for Still {
         settings: &EngineSettings,
         state: &State,
     ) -> Result<Box<dyn World>, EngineError> {
+        if !self.refusal.is_empty() {
+            return Err(EngineError::Model { engine: "still", reason: self.refusal.to_owned() });
+        }
         let mut record = self.record.lock().unwrap();
         record.robots.push(robot.clone());
         record.frictions.push(settings.friction);

@@ -34,6 +34,15 @@ fn a_torque_action_becomes_shares_of_the_effort_limits_in_every_physics_step() {
 }
 
 #[test]
+fn an_engine_that_refuses_the_robot_is_an_error_with_its_reason() {
+    let engine = Still { refusal: "size must be positive", ..standing() };
+    let blueprint = Recipe::new("tocabi", Some("walk")).blueprint();
+    let refused =
+        blueprint.environment(Arc::new(engine), &Mode::Training).err().map(|error| error.to_string());
+    assert_eq!(refused.as_deref(), Some("engine `still` refused the robot model: size must be positive"));
+}
+
+#[test]
 fn in_the_second_half_of_the_cycle_the_action_acts_on_the_other_side() {
     let engine = standing();
     let mut environment = environment(&Recipe::new("tocabi", Some("walk")), &engine, &at_phase(0.5));
@@ -327,9 +336,10 @@ fn randomized_episodes_differ_by_stream_and_repeat_with_it() {
     let mut environment = environment(&recipe, &engine, &Mode::Training);
     ["a", "b", "a"].into_iter().for_each(|stream| environment.begin(stream));
     let record = engine.record.lock().unwrap();
-    assert_eq!((&record.robots[0], record.frictions[0]), (&record.robots[2], record.frictions[2]));
-    assert_ne!(record.robots[0], record.robots[1]);
-    assert_ne!(record.frictions[0], record.frictions[1]);
+    // The first world shows that the engine takes the nominal robot.
+    assert_eq!((&record.robots[1], record.frictions[1]), (&record.robots[3], record.frictions[3]));
+    assert_ne!(record.robots[1], record.robots[2]);
+    assert_ne!(record.frictions[1], record.frictions[2]);
 }
 
 #[test]

@@ -94,13 +94,7 @@ impl<'a> Robots<'a> {
     /// Puts all robots in their initial state.
     fn rest(&mut self) -> Result<(), EngineError> {
         for (slot, member) in self.members.iter_mut().enumerate() {
-            member.state = State {
-                base_position: [0.0, 0.0, self.robot.standing_height],
-                base_orientation: [1.0, 0.0, 0.0, 0.0],
-                position: self.robot.default_pose(),
-                velocity: vec![0.0; self.robot.joints()],
-                ..State::default()
-            };
+            member.state = State::of(self.robot);
             self.worlds.place(slot, self.robot, &Terrain::Flat, &self.settings, &member.state)?;
         }
         Ok(())

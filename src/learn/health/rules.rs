@@ -72,6 +72,7 @@ pub(super) const RULES: &[Rule] = &[
     Rule { code: "W0606", patience: PATIENCE, signs: single_support },
     Rule { code: "W0607", patience: PATIENCE, signs: constant_terms },
     Rule { code: "W0608", patience: PATIENCE, signs: returns },
+    Rule { code: "W0610", patience: 1, signs: diverged },
 ];
 
 /// The normal values of a training, known before it begins.
@@ -246,6 +247,15 @@ fn returns(metrics: &UpdateMetrics, norms: &Norms) -> Vec<Sign> {
         let [values, targets] =
             [[low, high], [least, greatest]].map(|[a, b]| format!("{} to {}", figure(a), figure(b)));
         format!("the critic's values are out of range: {values}, while its targets are {targets}")
+    })
+}
+
+/// One episode is enough: in a stable simulation none diverges.
+fn diverged(metrics: &UpdateMetrics, _: &Norms) -> Vec<Sign> {
+    let lost = metrics.ends.get("exploded").copied().unwrap_or(0);
+    Sign::when(lost > 0, || {
+        let (update, ended) = (metrics.update, metrics.episodes);
+        format!("the physics diverged in {lost} of {ended} episodes that ended in update {update}")
     })
 }
 

@@ -232,6 +232,16 @@ fn watched(updates: std::ops::Range<u64>, change: impl Fn(&mut UpdateMetrics)) -
 }
 
 #[test]
+fn a_single_episode_whose_physics_diverges_is_told() {
+    let findings = watched(40..41, |metrics| {
+        metrics.episodes = 12;
+        metrics.ends = BTreeMap::from([("exploded".to_owned(), 3), ("time_out".to_owned(), 9)]);
+    });
+    assert_eq!(codes(&findings), ["W0610"]);
+    assert_eq!(findings[0].message, "the physics diverged in 3 of 12 episodes that ended in update 40");
+}
+
+#[test]
 fn a_robot_that_stands_where_it_should_step_is_told() {
     let still = |metrics: &mut UpdateMetrics| metrics.single_support = Some(0.01);
     let findings = watched(50..100, still);

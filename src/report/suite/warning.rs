@@ -57,7 +57,7 @@ fn explosions(group: &Group<'_>) -> Vec<String> {
     let told =
         counts.into_iter().filter(|(_, [exploded, _])| *exploded > 0).map(|(stage, [exploded, all])| {
             format!(
-                "{}, `{stage}`: the physics left the realm of numbers in {exploded} of {all} episodes; their \
+                "{}, `{stage}`: the physics diverged in {exploded} of {all} episodes; their \
              speeds, forces and torques \
              mean nothing.",
                 arm_in_words(group.name)

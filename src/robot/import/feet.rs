@@ -78,11 +78,13 @@ pub(super) fn sole(welded: &mut Welded, link: usize) -> Option<Block> {
         corners.reduce(|a, b| if sign < 0.0 { a.inf(&b) } else { a.sup(&b) })
     };
     let (from, to) = (corner(-1.0)?, corner(1.0)?);
-    let turned = body
-        .collisions
-        .iter()
-        .any(|collision| matches!(collision.shape, Shape::Box(_)) && !along_axes(collision));
-    if soles.len() > 1 || !others.is_empty() || turned {
+    // Round shapes that touch in a point or a line have a note of their own.
+    let is_changed = |collision: &Collision| match collision.shape {
+        Shape::Box(_) => !along_axes(collision),
+        Shape::Cylinder(..) => true,
+        Shape::Capsule(..) | Shape::Sphere(_) => false,
+    };
+    if soles.len() > 1 || !others.is_empty() || body.collisions.iter().any(is_changed) {
         let shapes = if soles.len() == 1 {
             "lowest shape".to_owned()
         } else {

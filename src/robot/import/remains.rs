@@ -286,7 +286,7 @@ fn shapeless(tree: &Tree, welded: &Welded) -> Vec<String> {
     let mut lines = Vec::new();
     let lost = bare(&|part| part.shapes.colliding > 0);
     if !lost.is_empty() {
-        lines.push(format!("no collision shape is left of {}: they touch nothing", some(&lost)));
+        lines.push(format!("no collision shape is left of {}: nothing there touches anything", some(&lost)));
     }
     let idle = bare(&|part| part.shapes.colliding == 0 && part.shapes.idle > 0);
     if !idle.is_empty() {

@@ -13,6 +13,7 @@ use crate::evaluate::{Condition, Protocol};
 use crate::kinds::evaluate::{Setting, Spread, last_push};
 use crate::kinds::task::{Task, Walk};
 use crate::kinds::{deploy, randomize::push, terrain};
+use crate::sim::EngineName;
 use crate::spec::decode::{self, Decoder, Registry};
 use crate::spec::typed::{Declared, Keys, Typed};
 use crate::spec::{Marks, Param, Quantity, Section, Table, Value};
@@ -36,19 +37,21 @@ pub struct Conditions {
     pub push: Option<f64>,
 }
 
-/// The policy on the requested ground and the conditions, or all errors in the options.
-pub fn read(options: &Options, mut policy: Policy) -> Result<(Policy, Conditions), Box<Findings>> {
+/// The policy on the requested ground, the conditions and what is odd about them, or all errors in the options.
+pub fn read(options: &Options, mut policy: Policy) -> Result<(Policy, Conditions, Findings), Box<Findings>> {
     let mut desk = Desk::default();
     if let Some(blueprint) = options.terrain.as_ref().and_then(|text| ground(text, &policy, &mut desk)) {
         policy.blueprint = blueprint;
     }
     let conditions = desk.conditions(options, &policy.blueprint);
-    if conditions.is_some() && !desk.sink.has_errors() {
-        desk.check(&policy.blueprint);
+    if let Some(conditions) = conditions.as_ref().filter(|_| !desk.sink.has_errors()) {
+        desk.check(&policy.blueprint, &conditions.transfers);
     }
-    match conditions.filter(|_| !desk.sink.has_errors()) {
-        Some(conditions) => Ok((policy, conditions)),
-        None => Err(Box::new(Findings::of(desk.sources, desk.sink.diagnostics))),
+    let conditions = conditions.filter(|_| !desk.sink.has_errors());
+    let findings = Findings::of(desk.sources, desk.sink.diagnostics);
+    match conditions {
+        Some(conditions) => Ok((policy, conditions, findings)),
+        None => Err(Box::new(findings)),
     }
 }
 
@@ -86,14 +89,19 @@ impl Desk {
             .extend(placed.map(|(path, mark)| (format!("{SECTION}.{TABLE}.{below}{path}"), mark)));
     }
 
-    /// Checks the options as the table of an evaluation in the policy's spec.
-    fn check(&mut self, blueprint: &Blueprint) {
+    /// Checks the options as the table of an evaluation in the policy's spec, for each engine.
+    fn check(&mut self, blueprint: &Blueprint, transfers: &[Transfer]) {
         let mut fields = blueprint.fields.clone();
         let options = Table::from([(TABLE.to_owned(), Value::Table(self.table.clone()))]);
         fields.insert(SECTION.to_owned(), Value::Table(options));
         let subject = Subject { fields: &fields, marks: &self.marks, robot: Some(&blueprint.robot) };
         let mut found = Sink::default();
-        check::evaluation(&subject, &format!("{SECTION}.{TABLE}"), &mut found);
+        let path = format!("{SECTION}.{TABLE}");
+        check::evaluation(&subject, &path, &mut found);
+        let mut engines: Vec<EngineName> =
+            transfers.iter().filter_map(|transfer| EngineName::named(&transfer.engine)).collect();
+        engines.dedup();
+        engines.into_iter().for_each(|engine| check::arena(&subject, &path, engine, &mut found));
         for mut diagnostic in found.diagnostics {
             diagnostic.message = with_options(&diagnostic.message);
             diagnostic.help.iter_mut().for_each(|help| *help = with_options(help));

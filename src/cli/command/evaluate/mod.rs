@@ -110,14 +110,14 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(policy) => policy,
         Err(error) => return unusable(&path, &error, global),
     };
-    let (policy, conditions) = match conditions::read(options, policy) {
+    let (policy, conditions, odd) = match conditions::read(options, policy) {
         Ok(read) => read,
         Err(findings) => {
             specs::tell(&[*findings], global);
             return Exit::Invalid;
         }
     };
-    specs::tell(&[of_robot(&policy).in_file(&path)], global);
+    specs::tell(&[of_robot(&policy).in_file(&path), odd], global);
     match evaluated(options, &policy, &conditions, &interrupt, global) {
         Ok(evaluations) => {
             shown::tell(&path, &policy, &conditions, evaluations, global);

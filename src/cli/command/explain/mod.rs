@@ -1,5 +1,6 @@
-//! `specforge explain WORD`: the page of a code, kind, registry, section, key, unit or part of a suite.
+//! `specforge explain WORD`: the page of a code, kind, registry, section, key, engine, unit or part of a suite.
 
+mod engines;
 mod relative;
 mod suites;
 mod units;
@@ -105,6 +106,7 @@ fn pages_of(word: &str) -> Vec<Page> {
         let named: Vec<&Key> = keys.iter().filter(|key| key.is_called(word)).collect();
         pages.extend(if named.is_empty() { of_term(word, &keys) } else { named }.into_iter().map(key_page));
     }
+    pages.extend(engines::page(word));
     pages.extend(units::page(word));
     pages.extend(relative::page(word));
     if pages.is_empty() {

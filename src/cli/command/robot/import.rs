@@ -224,7 +224,7 @@ fn misses(fills: &[Fill], welded: &Welded) -> Option<String> {
     let fits =
         |fill: &&Fill| fill.joints.as_ref().is_none_or(|joints| names().any(|name| joints.is_match(name)));
     let joints = fills.iter().find(|fill| !fits(fill))?.joints.as_ref()?;
-    Some(format!("--fill `{joints}` matches no joint; there are {}", listed(names())))
+    Some(format!("--fill `{joints}` matches no moving joint; there are {}", listed(names())))
 }
 
 /// Up to so many meshes that became boxes are printed one by one.

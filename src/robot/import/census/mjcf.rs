@@ -168,7 +168,8 @@ pub(crate) const TABLE: &[Row] = &[
     row(
         "contact/pair",
         &[
-            (Imported, "class, geom1, geom2, name"),
+            (Imported, "class, name"),
+            (Left(Masks), "geom1, geom2"),
             (Left(Solver), "adhesion, condim=3, friction, gap, margin, solimp, solref, solreffriction"),
         ],
     ),

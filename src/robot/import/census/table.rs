@@ -62,9 +62,10 @@ impl Group {
                 "safety controllers and limits of acceleration",
                 "a joint has limits of position, speed and torque",
             ),
-            Self::Masks => {
-                ("contact masks and exclusions", "links that are apart in the default pose must not meet")
-            }
+            Self::Masks => (
+                "contact masks, pairs and exclusions",
+                "links that are apart in the default pose must not meet",
+            ),
             Self::Solver => ("parameters of contacts and limits", "the engines of a spec have their own"),
             Self::Medium => {
                 ("gravity, magnetic field, wind and fluids", "a spec has the earth's gravity and no air")
