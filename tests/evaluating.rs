@@ -159,7 +159,7 @@ fn every_option_is_checked_as_the_key_that_it_stands_for() {
 #[test]
 fn events_beyond_the_episode_are_refused_as_in_a_spec() {
     let file = file(&policy().to_bytes());
-    let cases: [(&[&str], &str, &[&str]); 8] = [
+    let cases: [(&[&str], &str, &[&str]); 9] = [
         (
             &["--push", "impulse=60 N*s,duration=0.1 s,at=9 s", "--time-limit", "3 s"],
             "E0512",

@@ -75,10 +75,13 @@ pub fn evaluation(subject: &Subject, path: &str, sink: &mut Sink) {
 }
 
 /// Applies the rules on the ground and the physics rate of one evaluation by options, the table at this path,
-/// which runs in this engine.
-pub fn arena(subject: &Subject, path: &str, engine: EngineName, sink: &mut Sink) {
-    contact_time::contact_is_slower_than_steps(subject, path, engine, false, sink);
-    cells::cells_are_small(subject, path, engine, sink);
+/// which runs in these engines.
+pub fn arena(subject: &Subject, path: &str, engines: &[EngineName], sink: &mut Sink) {
+    for engine in engines {
+        contact_time::contact_is_slower_than_steps(subject, path, *engine, false, sink);
+    }
+    // A ground is reported once.
+    engines.iter().find_map(|engine| cells::cells_are_small(subject, path, *engine, sink));
 }
 
 /// The rules in the order in which they report.

@@ -1,5 +1,10 @@
 //! Robots that are stepped together, one per lane.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "iterators are not inlined into code for an instruction set (see the module above)"
+)]
+
 use std::sync::Arc;
 
 use super::super::scene::{Contacts, State};

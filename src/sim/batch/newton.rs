@@ -5,6 +5,11 @@
 //! that body, so the Hessian has the sparsity of M, and a step costs about one factorisation. Every lane
 //! stops by its own criteria and does not change while others continue.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "iterators are not inlined into code for an instruction set (see the module above)"
+)]
+
 use super::constraint::Contact;
 use super::contact::impedance;
 use super::figures::{Figures, Topology};

@@ -101,7 +101,7 @@ impl Desk {
         let mut engines: Vec<EngineName> =
             transfers.iter().filter_map(|transfer| EngineName::named(&transfer.engine)).collect();
         engines.dedup();
-        engines.into_iter().for_each(|engine| check::arena(&subject, &path, engine, &mut found));
+        check::arena(&subject, &path, &engines, &mut found);
         for mut diagnostic in found.diagnostics {
             diagnostic.message = with_options(&diagnostic.message);
             diagnostic.help.iter_mut().for_each(|help| *help = with_options(help));
