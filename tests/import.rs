@@ -346,7 +346,11 @@ fn mistakes_are_said_and_leave_nothing_behind() {
     fails(&["walker.urdf", "--fill", "velocity_limit=12"], 2, "the unit is missing: write it in rad/s");
     fails(&["walker.urdf", "--fill", "velocity_limit=fast"], 2, "does not begin with a number");
     fails(&["walker.urdf", "--fill", "velocity_limit=12 N"], 2, "write it in rad/s");
-    fails(&["walker.urdf", "--fill", "kneee:armature=1 kg*m^2"], 2, "`kneee` matches no joint; there are");
+    fails(
+        &["walker.urdf", "--fill", "kneee:armature=1 kg*m^2"],
+        2,
+        "`kneee` matches no moving joint; there are",
+    );
     fails(
         &["walker.urdf", "--feet", "left_ankle_roll_link,toe"],
         3,

@@ -13,8 +13,8 @@ use crate::spec::marks;
 use crate::spec::typed::{Declared, InSection};
 use crate::spec::value::KIND;
 
-/// Share of a sole's length from which on robots fall on a level field: with cells as long as 0.56 of its sole
-/// G1 does in MuJoCo, with 0.67 and 0.77 TOCABI and Atlas do not.
+/// Share of a sole's length from which on robots fall on a level field: with cells as long as 0.56 of its
+/// sole G1 does in MuJoCo, with 0.67 and 0.77 TOCABI and Atlas do not.
 const LARGE: f64 = 0.5;
 
 /// Cells are small enough for the soles.

@@ -18,7 +18,8 @@ pub fn contacts_are_slower_than_steps(subject: &Subject, sink: &mut Sink) {
     }
 }
 
-/// The same in the table at this path, which runs in this engine; with `is_spec` its contacts can be softened.
+/// The same in the table at this path, which runs in this engine; with `is_spec` its contacts can be
+/// softened.
 pub(super) fn contact_is_slower_than_steps(
     subject: &Subject,
     path: &str,

@@ -147,8 +147,8 @@ impl Scene {
         })
     }
 
-    /// Fails if the engine refuses the nominal robot on this ground. An episode whose robot is refused ends as
-    /// if its physics had diverged, so the reason would be lost.
+    /// Fails if the engine refuses the nominal robot on this ground. An episode whose robot is refused ends
+    /// as if its physics had diverged, so the reason would be lost.
     fn is_built(&self) -> Result<(), EngineError> {
         self.engine.build(&self.robot, &self.terrain, &self.settings, &State::of(&self.robot)).map(drop)
     }

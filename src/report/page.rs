@@ -13,6 +13,7 @@ use super::policies;
 use super::question::question;
 use super::suite::{self, page::SuitePage};
 use super::table::{Table, Tables, endings, evaluation, health, learning, setup, with_rows};
+use super::tasks;
 use super::warning::warnings;
 use super::wording::{commit, labels};
 use super::{glance, provenance};
@@ -32,7 +33,7 @@ pub struct Page {
     pub answer: String,
     /// Why the result may differ from the paper's, in the spec's sentences.
     pub reasons: Vec<String>,
-    /// What each policy does, in one paragraph per arm; not of a suite.
+    /// What each policy does, in one paragraph per arm; of a suite the failing ones, if they are many.
     pub result: Vec<String>,
     /// What a reader must know before relying on it: of a suite the runs and the arms with the best and the
     /// worst survival, and then warnings.
@@ -141,7 +142,8 @@ impl Page {
         // A suite has too many runs for a column each; they are described in `suite`.
         let of_suite = input.suite.is_some();
         let judged = suite::judged(input);
-        let result = if of_suite { Vec::new() } else { headline::paragraphs(input) };
+        let result =
+            if of_suite { tasks::in_full(&tasks::records(input)) } else { headline::paragraphs(input) };
         let warnings = if of_suite { suite::warning::warnings(input) } else { warnings(input) };
         let first = if of_suite { suite::page::paragraphs(input) } else { Vec::new() };
         let answer = match (of_suite, judged.is_empty()) {

@@ -10,8 +10,10 @@ use super::verdict::judge;
 use super::wording::{arm_in_words, labels, listed};
 use crate::outcome::Evaluation;
 
-/// Most arms that are listed by name.
+/// Most arms that are listed by name at the top of a page.
 const NAMED: usize = 8;
+/// Most failing arms that are described in full there.
+const DESCRIBED: usize = 4;
 
 /// How well the policies of an arm do their task in one evaluation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -155,13 +157,30 @@ pub fn paragraph(records: &[TaskRecord]) -> Option<String> {
     };
     let verb = if failed == 1 { "has" } else { "have" };
     let by_arm: Vec<&[&TaskRecord]> = failing.chunk_by(|one, next| one.arm == next.arm).collect();
-    let told: Vec<String> = by_arm.iter().take(NAMED).map(|records| of_one_arm(records)).collect();
+    let tell = if by_arm.len() > DESCRIBED { briefly } else { of_one_arm };
+    let told: Vec<String> = by_arm.iter().take(NAMED).map(|records| tell(records)).collect();
     let more = by_arm.len().saturating_sub(NAMED);
     let more = if more > 0 { format!("; and {more} more") } else { String::new() };
     Some(format!(
         "**{failed} of {arms} arms {verb} policies that do not do their task.**{whole} {}{more}.",
         told.join("; ")
     ))
+}
+
+/// What the failing policies do not do, in one paragraph per arm; empty if the top of the page says it.
+pub fn in_full(records: &[TaskRecord]) -> Vec<String> {
+    let failing: Vec<&TaskRecord> = failing(records).collect();
+    let by_arm: Vec<&[&TaskRecord]> = failing.chunk_by(|one, next| one.arm == next.arm).collect();
+    if by_arm.len() <= DESCRIBED {
+        return Vec::new();
+    }
+    by_arm.into_iter().map(|records| format!("{}.", of_one_arm(records))).collect()
+}
+
+/// An arm with its evaluation in which most policies fail: `g1, torque (2 of 3, seeds 1, 3)`.
+fn briefly(records: &[&TaskRecord]) -> String {
+    let worst = records.iter().max_by_key(|record| record.failing);
+    worst.map_or(String::new(), |worst| format!("{} ({})", arm_in_words(&worst.arm), worst.share()))
 }
 
 /// What the failing policies of one arm do not do: in one evaluation a sentence about it, in several
@@ -344,10 +363,14 @@ mod tests {
             (0..10).map(|index| TaskRecord { arm: format!("arm={index}"), ..record(3, &[]) }).collect();
         let told = paragraph(&many).expect("all fail");
         assert!(told.starts_with("**10 of 10 arms have policies that do not do their task.**"), "{told}");
-        assert!(
-            told.contains("arm 7: ") && !told.contains("arm 8: ") && told.ends_with("; and 2 more."),
-            "{told}"
+        assert!(told.contains("arm 7 (3 of 3)") && !told.contains("arm 8 "), "{told}");
+        assert!(told.ends_with("; and 2 more.") && !told.contains("not met"), "{told}");
+        let full = in_full(&many);
+        assert_eq!(
+            (full.len(), full[9].as_str()),
+            (10, "arm 9: 3 of 3 policies do not walk in `evaluate.nominal` (not met: is fast).")
         );
+        assert!(in_full(&many[..4]).is_empty(), "the top of the page describes four");
     }
 
     #[test]

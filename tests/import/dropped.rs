@@ -152,7 +152,7 @@ fn what_mujoco_has_and_a_robot_file_has_not_is_one_line_each() {
         (
             geom,
             "contype=\"2\" name=\"port_sole\"",
-            "contact masks and exclusions, `contype` of <geom> `port_sole`",
+            "contact masks, pairs and exclusions, `contype` of <geom> `port_sole`",
         ),
         (
             geom,
@@ -285,6 +285,8 @@ fn a_geom_that_touches_in_a_contact_pair_alone_is_a_sole() {
     let paired = mjcf(&[masked, ("</mujoco>", pair)]);
     assert!(paired.feet.iter().all(|(_, sole)| sole.is_some()), "{:?}", paired.feet);
     told(&paired, "the geoms `port_sole` touch in contact pairs alone");
+    let dropped = told(&paired, "not imported: contact masks, pairs and exclusions");
+    assert!(dropped.contains("`geom1` of <pair>, `geom2` of <pair>"), "{dropped}");
 }
 
 #[test]

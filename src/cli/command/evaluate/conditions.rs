@@ -37,7 +37,8 @@ pub struct Conditions {
     pub push: Option<f64>,
 }
 
-/// The policy on the requested ground, the conditions and what is odd about them, or all errors in the options.
+/// The policy on the requested ground, the conditions and what is odd about them, or all errors in the
+/// options.
 pub fn read(options: &Options, mut policy: Policy) -> Result<(Policy, Conditions, Findings), Box<Findings>> {
     let mut desk = Desk::default();
     if let Some(blueprint) = options.terrain.as_ref().and_then(|text| ground(text, &policy, &mut desk)) {

@@ -1,4 +1,5 @@
-//! `specforge explain WORD`: the page of a code, kind, registry, section, key, engine, unit or part of a suite.
+//! `specforge explain WORD`: the page of a code, kind, registry, section, key, engine, unit or part of a
+//! suite.
 
 mod engines;
 mod relative;
