@@ -20,7 +20,7 @@ const LARGE: f64 = 0.5;
 /// Cells are small enough for the soles.
 pub fn cells_are_small_for_the_soles(subject: &Subject, sink: &mut Sink) {
     let mut told = Vec::new();
-    for (path, engine) in subject.arenas() {
+    for (path, engine) in subject.tables_with_engines() {
         let ground = ground(subject, &path);
         if !told.contains(&ground) && cells_are_small(subject, &path, engine, sink).is_some() {
             told.push(ground);
@@ -44,8 +44,8 @@ pub(super) fn cells_are_small(
     }
     let key = HeightField::cell.below(&ground);
     let message = format!(
-        "the cells of `{ground}` are {} long and the robot's soles {}: in engine `{}` a sole stands on one \
-         point of each, and falls over",
+        "the cells of `{ground}` are {} long and the robot's soles {}: in engine `{}` a sole has one \
+         contact with each, so the robot tips over",
         subject.written(&key),
         millimetres(sole),
         engine.word()
@@ -96,7 +96,7 @@ mod tests {
         assert!(codes("batch", "0.08", "").is_empty() && codes("rapier", "0.1", "").is_empty());
         let transfer = "[deploy.mujoco]\nkind = \"transfer\"\nengine = \"mujoco\"";
         assert_eq!(codes("rapier", "0.1", transfer), ["W0527"], "a transfer has the ground of the training");
-        assert_eq!(codes("batch", "0.1", transfer), ["W0527"], "a ground is told once");
+        assert_eq!(codes("batch", "0.1", transfer), ["W0527"], "a ground is reported once");
         let even = format!("{transfer}\nterrain = {{ kind = \"flat\" }}");
         assert!(codes("rapier", "0.1", &even).is_empty());
     }

@@ -13,7 +13,7 @@ const CONTACT_TIME: f64 = 0.02;
 
 /// A contact's time constant is at least two physics steps.
 pub fn contacts_are_slower_than_steps(subject: &Subject, sink: &mut Sink) {
-    for (path, engine) in subject.arenas() {
+    for (path, engine) in subject.tables_with_engines() {
         contact_is_slower_than_steps(subject, &path, engine, true, sink);
     }
 }

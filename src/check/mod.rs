@@ -76,7 +76,7 @@ pub fn evaluation(subject: &Subject, path: &str, sink: &mut Sink) {
 
 /// Applies the rules on the ground and the physics rate of one evaluation by options, the table at this path,
 /// which runs in these engines.
-pub fn arena(subject: &Subject, path: &str, engines: &[EngineName], sink: &mut Sink) {
+pub fn evaluation_in(subject: &Subject, path: &str, engines: &[EngineName], sink: &mut Sink) {
     for engine in engines {
         contact_time::contact_is_slower_than_steps(subject, path, *engine, false, sink);
     }

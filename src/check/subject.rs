@@ -101,7 +101,7 @@ impl<'a> Subject<'a> {
     }
 
     /// The tables that run an engine, with its name: training, fine-tuning, evaluations, transfers.
-    pub fn arenas(&self) -> Vec<(String, EngineName)> {
+    pub fn tables_with_engines(&self) -> Vec<(String, EngineName)> {
         let trained = self.at(Physics::engine);
         let tuned = self.spec().within::<FineTuning>().map(|table| (FineTuning::SECTION.to_owned(), table));
         let others = tuned.into_iter().chain(self.protocols());

@@ -79,7 +79,7 @@ impl Blueprint {
     pub fn scene(&self, engine: Arc<dyn Engine>, mode: &Mode) -> Result<Arc<Scene>, BlueprintError> {
         self.check()?;
         let scene = Scene::new(self, engine, mode)?;
-        scene.is_built()?;
+        scene.accepted()?;
         Ok(Arc::new(scene))
     }
 }
@@ -149,7 +149,7 @@ impl Scene {
 
     /// Fails if the engine refuses the nominal robot on this ground. An episode whose robot is refused ends
     /// as if its physics had diverged, so the reason would be lost.
-    fn is_built(&self) -> Result<(), EngineError> {
+    fn accepted(&self) -> Result<(), EngineError> {
         self.engine.build(&self.robot, &self.terrain, &self.settings, &State::of(&self.robot)).map(drop)
     }
 

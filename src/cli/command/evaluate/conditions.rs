@@ -102,7 +102,7 @@ impl Desk {
         let mut engines: Vec<EngineName> =
             transfers.iter().filter_map(|transfer| EngineName::named(&transfer.engine)).collect();
         engines.dedup();
-        check::arena(&subject, &path, &engines, &mut found);
+        check::evaluation_in(&subject, &path, &engines, &mut found);
         for mut diagnostic in found.diagnostics {
             diagnostic.message = with_options(&diagnostic.message);
             diagnostic.help.iter_mut().for_each(|help| *help = with_options(help));
