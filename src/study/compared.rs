@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::files::{identity, is_suite};
+use super::files::is_suite;
 use super::findings::Findings;
 use super::plan::plain_arm;
 use crate::check::{Checked, Checker, unrunnable};
@@ -11,26 +11,33 @@ use crate::escape;
 use crate::plan::{PlanError, lower, same_results};
 use crate::spec::section::Report;
 use crate::spec::{Experiment, LoadOptions};
-use crate::syntax::Disk;
+use crate::syntax::Files;
 
 /// What is wrong with the comparisons of a valid spec. Warnings about the other specs are reported when those
 /// are checked themselves.
-pub fn findings(spec: &Checked, file: &Path, options: &LoadOptions, checker: &mut Checker) -> Vec<Findings> {
+pub fn findings(
+    spec: &Checked,
+    file: &Path,
+    options: &LoadOptions,
+    files: &dyn Files,
+    checker: &mut Checker,
+) -> Vec<Findings> {
     let Some((experiment, _)) = spec.sound().filter(|(experiment, _)| !experiment.is_abstract) else {
         return Vec::new();
     };
-    let (mut found, mut others, mut seen) = (Vec::new(), Vec::new(), vec![identity(file)]);
+    let (mut found, mut others, mut seen) = (Vec::new(), Vec::new(), vec![files.identity(file)]);
     for (entry, path) in experiment.compare.iter().enumerate() {
-        if seen.contains(&identity(path)) {
+        let identity = files.identity(path);
+        if seen.contains(&identity) {
             continue;
         }
-        seen.push(identity(path));
+        seen.push(identity);
         if let Some(error) = no_suite(path, spec, entry) {
             found.push(Findings::of(spec.sources.clone(), vec![error]).in_file(file));
             continue;
         }
-        let options = checker.applicable(&Disk, path, options);
-        let other = checker.check(&Disk, path, &options);
+        let options = checker.applicable(files, path, options);
+        let other = checker.check(files, path, &options);
         if other.sink.has_errors() {
             let told = format!("`{}` compares itself with {}", experiment.name, path.display());
             found.push(errors(other, &told).in_file(path));

@@ -14,7 +14,7 @@ use crate::report;
 use crate::spec::section::Report;
 use crate::spec::{LoadOptions, Section};
 use crate::study::{compared, plan, suite};
-use crate::syntax::Disk;
+use crate::syntax::{Disk, Files, Snapshot};
 
 /// Arguments of `check`.
 #[derive(Debug, clap::Args)]
@@ -99,14 +99,15 @@ const FOREIGN_KEY: &str = "E0105";
 /// Maximum number of profiles named in a message.
 const NAMED: usize = 10;
 
-/// The findings in a spec or a suite and in those it is compared with, the profiles that it could be checked
-/// under, and its report's template.
+/// The findings in a spec or a suite, in those it is compared with and in its report's template, and the
+/// profiles that it could be checked under.
 struct Examined {
     sources: Sources,
     sink: Sink,
+    /// In its template, unless this is a check under one of several profiles.
+    in_template: Vec<Diagnostic>,
     compared: Vec<Findings>,
     profiles: Arc<[String]>,
-    template: Option<Template>,
 }
 
 /// A template, the project to search for it, and where the spec names it.
@@ -116,39 +117,71 @@ struct Template {
     named: Option<Span>,
 }
 
-impl Examined {
-    fn spec(file: &Path, options: &LoadOptions, checker: &mut Checker) -> Self {
-        let checked = checker.check(&Disk, file, options);
-        let compared = compared::findings(&checked, file, options, checker);
-        let template = checked.sound().map(|(experiment, _)| Template {
+impl Template {
+    /// The errors in it, which would otherwise be found only after the training.
+    fn check(self, sources: &mut Sources) -> Vec<Diagnostic> {
+        let Self { name, project, named } = self;
+        let found = report::render::check(&name, &plan::templates(&project), sources);
+        let placed = found.into_iter().map(|diagnostic| match named {
+            Some(place) if diagnostic.labels.is_empty() => diagnostic.at(place, "named here"),
+            _ => diagnostic,
+        });
+        placed.collect()
+    }
+}
+
+/// What is read for a check.
+struct Look<'a> {
+    files: &'a dyn Files,
+    /// The spec or suite.
+    file: &'a Path,
+    /// Whether its template is checked, too.
+    template: bool,
+}
+
+impl Look<'_> {
+    fn spec(&self, options: &LoadOptions, checker: &mut Checker) -> Examined {
+        let Self { files, file, template } = *self;
+        let checked = checker.check(files, file, options);
+        let template = checked.sound().filter(|_| template).map(|(experiment, _)| Template {
             name: Section::new(&experiment.table).at(Report::template).unwrap_or_default(),
             project: plan::project(file, experiment.root.as_deref()),
             named: experiment.marks.get(&Report::template.path()).map(|mark| mark.value),
         });
-        let Checked { sources, sink, experiment, .. } = checked;
+        let mut sources = checked.sources.clone();
+        let (in_template, compared) = rayon::join(
+            || template.map(|template| template.check(&mut sources)).unwrap_or_default(),
+            || compared::findings(&checked, file, options, files, checker),
+        );
+        let Checked { sink, experiment, .. } = checked;
         let profiles = experiment.map(|experiment| experiment.profiles).unwrap_or_default();
-        Self { sources, sink, compared, profiles, template }
+        Examined { sources, sink, in_template, compared, profiles }
     }
 
-    fn suite(file: &Path, options: &LoadOptions, checker: &mut Checker) -> Self {
-        let mut checked = checker.suite(&Disk, file, options);
-        let same = same_results(&checked, file, options, checker);
+    fn suite(&self, options: &LoadOptions, checker: &mut Checker) -> Examined {
+        let Self { files, file, template } = *self;
+        let mut checked = checker.suite(files, file, options);
+        let same = same_results(&checked, self, options, checker);
         let idle = suite::idle_axes(&checked);
         checked.sink.diagnostics.extend(same);
         checked.sink.diagnostics.extend(idle);
-        let template = checked.sound().map(|(suite, arms)| Template {
+        let template = checked.sound().filter(|_| template).map(|(suite, arms)| Template {
             name: Section::new(&suite.report).value(Report::template).unwrap_or_default(),
             project: plan::project(file, arms.first().and_then(|arm| arm.arm.experiment.root.as_deref())),
             named: Some(suite.place),
         });
-        let CheckedSuite { sources, sink, suite, .. } = checked;
+        let CheckedSuite { mut sources, sink, suite, .. } = checked;
+        let in_template = template.map(|template| template.check(&mut sources)).unwrap_or_default();
         let profiles = suite.map(|suite| suite.profiles).unwrap_or_default().into();
-        Self { sources, sink, compared: Vec::new(), profiles, template }
+        Examined { sources, sink, in_template, compared: Vec::new(), profiles }
     }
+}
 
+impl Examined {
     /// All findings, each with its sources.
     fn findings(self, file: &Path) -> Vec<Findings> {
-        let own = Findings::of(self.sources, self.sink.diagnostics).in_file(file);
+        let own = [self.sink.diagnostics, self.in_template].concat();
+        let own = Findings::of(self.sources, own).in_file(file);
         std::iter::once(own).chain(self.compared).collect()
     }
 
@@ -164,17 +197,6 @@ impl Examined {
             ));
         }
     }
-
-    /// Adds the errors of its template, which would otherwise be found only after the training.
-    fn with_template(mut self) -> Self {
-        let Some(Template { name, project, named }) = self.template.take() else { return self };
-        let found = report::render::check(&name, &plan::templates(&project), &mut self.sources);
-        self.sink.diagnostics.extend(found.into_iter().map(|diagnostic| match named {
-            Some(place) if diagnostic.labels.is_empty() => diagnostic.at(place, "named here"),
-            _ => diagnostic,
-        }));
-        self
-    }
 }
 
 /// Claims of a suite that compare a result with itself both without a profile and under each profile, as a
@@ -182,7 +204,7 @@ impl Examined {
 /// established.
 fn same_results(
     checked: &CheckedSuite,
-    file: &Path,
+    of: &Look,
     options: &LoadOptions,
     checker: &mut Checker,
 ) -> Vec<Diagnostic> {
@@ -195,7 +217,7 @@ fn same_results(
             break;
         }
         let options = LoadOptions { profile: Some(profile.clone()), ..options.clone() };
-        let under = suite::same_results(&checker.suite(&Disk, file, &options));
+        let under = suite::same_results(&checker.suite(of.files, of.file, &options));
         same.retain(|found| under.iter().any(|other| other.message == found.message));
     }
     same
@@ -221,36 +243,46 @@ struct Under {
 fn examine(file: &Path, options: &LoadOptions, lenient: bool, checker: &mut Checker) -> Looked {
     let start = Instant::now();
     checker.remember_specs();
+    let files = Snapshot::new(Disk);
     let suite = specs::is_suite(file);
-    let look = |checker: &mut Checker, options: &LoadOptions| match suite {
-        true => Examined::suite(file, options, checker),
-        false => Examined::spec(file, options, checker),
+    let look = |checker: &mut Checker, options: &LoadOptions, template: bool| {
+        let look = Look { files: &files, file, template };
+        if suite { look.suite(options, checker) } else { look.spec(options, checker) }
     };
-    let mut plain = look(checker, options);
+    // Without a mistake, everything about the profiles is found when each of them is checked.
+    let all_profiles = options.profile.is_none();
+    let mut plain = look(checker, &LoadOptions { without_profiles: all_profiles, ..options.clone() }, true);
     let lacks = |name: &String| lenient && !plain.profiles.contains(name);
     let without = options.profile.as_ref().is_some_and(lacks);
     if without {
-        plain = look(checker, &LoadOptions { profile: None, ..options.clone() });
+        plain = look(checker, &LoadOptions { profile: None, ..options.clone() }, true);
     }
-    let foreign = plain.sink.diagnostics.iter().any(|found| found.code == FOREIGN_KEY);
-    let profiles = match options.profile.is_none() && (foreign || !plain.sink.has_errors()) {
-        true => std::mem::take(&mut plain.profiles).to_vec(),
-        false => Vec::new(),
-    };
+    let names = if all_profiles { plain.profiles.clone() } else { Arc::default() };
     // Keep nothing of a spec that has no errors under a profile: there may be a thousand profiles.
-    let under = |checker: &mut Checker, profile: String| {
-        let other = look(checker, &LoadOptions { profile: Some(profile.clone()), ..options.clone() });
+    let under = |checker: &mut Checker, profile: &String| {
+        let options = LoadOptions { profile: Some(profile.clone()), ..options.clone() };
+        let other = look(checker, &options, false);
         let is_sound = !other.sink.has_errors();
         let found = other.findings(file).into_iter().filter(|found| !found.diagnostics.is_empty()).collect();
-        Under { profile, is_sound, found }
+        Under { profile: profile.clone(), is_sound, found }
     };
     // Each thread starts with what the check without a profile has read.
-    let known = &*checker;
-    let profiles: Vec<Under> = profiles.into_par_iter().map_init(|| known.clone(), under).collect();
+    let each = |known: &Checker| -> Vec<Under> {
+        let own_checker = || known.clone();
+        names.par_iter().map_init(own_checker, under).collect()
+    };
+    let mut profiles = if plain.sink.has_errors() { Vec::new() } else { each(checker) };
+    let mut foreign = false;
+    if all_profiles && (plain.sink.has_errors() || profiles.iter().any(|under| !under.is_sound)) {
+        // A mistake in the text of a profile is one of the spec's own.
+        plain = look(checker, options, true);
+        foreign = plain.sink.diagnostics.iter().any(|found| found.code == FOREIGN_KEY);
+        profiles = if foreign || !plain.sink.has_errors() { each(checker) } else { Vec::new() };
+    }
     let sound = profiles.iter().filter(|under| foreign && under.is_sound).map(|under| under.profile.clone());
     plain.name_sound(&sound.collect::<Vec<String>>());
     let others = profiles.into_iter().filter(|_| !foreign).map(|under| (under.found, Some(under.profile)));
-    let variants = std::iter::once((plain.with_template().findings(file), None)).chain(others).collect();
+    let variants = std::iter::once((plain.findings(file), None)).chain(others).collect();
     Looked { variants, without, seconds: start.elapsed().as_secs_f64() }
 }
 
