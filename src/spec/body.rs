@@ -12,6 +12,7 @@ use crate::syntax::{Entry, Item, Layer, Map, Node};
 /// Decodes all sections.
 pub fn sections(root: &Map, vocabulary: &Vocabulary, header: &Header, decoder: &mut Decoder<'_>) -> Table {
     let mut table = Table::new();
+    decoder.sections = vocabulary.sections.iter().map(|section| section.name).collect();
     for (key, entry) in &root.entries {
         if key == "allow" {
             decode_allow(entry, decoder, &mut table);

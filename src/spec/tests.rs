@@ -278,6 +278,13 @@ fn all_mistakes_of_a_spec_are_found_at_once_and_each_once() {
 }
 
 #[test]
+fn a_section_that_is_written_inside_another_is_recognised() {
+    let folder = Folder::new(&[("walker.toml", &(WALKER.to_owned() + "[action.reward]\nx = 1\n"))]);
+    let found = folder.load("walker.toml", None, &[]).sink.diagnostics;
+    assert_eq!(found[0].help, ["it is a section of its own: write `reward`, not `action.reward`"]);
+}
+
+#[test]
 fn a_failed_section_is_absent_and_the_others_are_there() {
     let folder = Folder::new(&[("walker.toml", &WALKER.replace("250 Hz", "fast"))]);
     let experiment = folder.load("walker.toml", None, &[]).experiment.expect("understood in part");

@@ -126,6 +126,9 @@ impl Decoder<'_> {
         match near {
             Some(name) => error.help(format!("did you mean `{name}`?")).fix(entry.key, name),
             None if elsewhere.is_some() => error.help(elsewhere.unwrap_or_default()),
+            None if !place.path.is_empty() && self.sections.contains(&key) => {
+                error.help(format!("it is a section of its own: write `{key}`, not `{path}`"))
+            }
             None if names.is_empty() => error.help("remove it: this table has no keys"),
             None if free.is_empty() => {
                 error.help(format!("remove it: the valid keys are {}", listed(sorted(names))))

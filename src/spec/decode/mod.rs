@@ -130,6 +130,8 @@ pub struct Decoder<'a> {
     pub told: BTreeSet<String>,
     /// Custom messages for particular keys.
     pub wordings: &'a [Wording],
+    /// The sections of the document, which a table may hold by mistake.
+    pub sections: Vec<&'static str>,
     /// Missing keys of list elements: the diagnostic for the first, and how many more it applies to.
     lacking: BTreeMap<String, Lack>,
 }
@@ -156,6 +158,7 @@ impl<'a> Decoder<'a> {
             is_element: false,
             told: BTreeSet::new(),
             wordings: &[],
+            sections: Vec::new(),
             lacking: BTreeMap::new(),
         }
     }

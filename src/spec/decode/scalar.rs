@@ -257,7 +257,14 @@ pub fn in_range(si: f64, dimension: Dimension, node: &Node, param: &Param) -> Re
         "E0204",
         format!("`{}` is out of range: {}", param.name, quantity::written(&written)),
     );
-    let help = format!("it must be {}", bounds::in_words(param, dimension));
+    let is_in_degrees = dimension == Dimension::ANGLE && node.text().is_some_and(|text| text.ends_with("deg"));
+    // Rounded towards zero, so that the bounds shown are within the range.
+    let shown = |bound: f64| quantity::number((bound.to_degrees() * 10.0).trunc() / 10.0);
+    let too = match is_in_degrees {
+        true => format!(" ({} deg and {} deg)", shown(low), shown(high)),
+        false => String::new(),
+    };
+    let help = format!("it must be {}{too}", bounds::in_words(param, dimension));
     let error = error.at(node.span, format!("{side} the range")).help(help);
     let degrees = si.to_radians();
     let meant = node.text().filter(|_| dimension == Dimension::ANGLE && low <= degrees && degrees <= high);

@@ -20,7 +20,7 @@ static PARAMS: &[Param] = &[
     Param::default("delay", Ty::Quantity(Dimension::TIME), "\"4 ms\""),
     Param::optional("std", Ty::Ratio(Share::of("the effort limit"))).range(0.0, 1.0),
     Param::optional("scale", Ty::Sampler(Dimension::NONE)),
-    Param::optional("noise", Ty::Sampler(Dimension::ANGLE)),
+    Param::optional("noise", Ty::Sampler(Dimension::ANGLE)).range(-3.15, 3.15),
     Param::optional("samples", Ty::Count).range(1.0, 1e9),
     Param::optional("modulated", Ty::Flag),
     Param::optional("engine", Ty::Choice(&["rapier", "mujoco"])),
@@ -156,6 +156,8 @@ fn values_out_of_range_or_not_finite_are_refused() {
     let (diagnostic, place) = mistake("std = \"150 %\"");
     assert_eq!((diagnostic.code, place.as_str()), ("E0204", "\"150 %\""));
     assert_eq!(diagnostic.help, ["it must be between 0 % and 100 %"]);
+    let (diagnostic, _) = mistake("noise = \"200 deg\"");
+    assert_eq!(diagnostic.help[0], "it must be between -3.15 rad and 3.15 rad (-180.4 deg and 180.4 deg)");
     assert_eq!(mistake("samples = 0").0.code, "E0204");
     assert_eq!(mistake("policy.hidden = [0]").0.code, "E0204");
     assert_eq!(mistake("delay = \"1e999 s\"").0.code, "E0205");
