@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::checker::{Checker, Specs};
+use super::checker::Checker;
 use super::relative;
 use crate::diag::{Diagnostic, Severity, Sink, Sources};
 use crate::escape;
@@ -128,7 +128,7 @@ impl Checker {
         };
         // Mistakes in the robot are reported by a check of the baseline itself.
         let mut silent = Sink::default();
-        if let Some(mut robot) = self.robot(&file, &experiment, sources, &mut silent) {
+        if let Some(mut robot) = self.robots.read(&file, &experiment, sources, &mut silent) {
             stated::state(&mut robot, &experiment.table);
             relative::resolve(&mut experiment, &robot, &mut silent);
         }
@@ -136,16 +136,12 @@ impl Checker {
     }
 
     /// Loads a baseline without profiles and assignments, or returns it if it was loaded before.
-    fn plain(&mut self, naming: &Naming<'_>, path: &Path) -> Arc<Loaded> {
-        let remembered = |specs: &Specs| specs.baselines.get(path).cloned();
-        if let Some(known) = self.specs.as_ref().and_then(remembered) {
-            return known;
+    fn plain(&self, naming: &Naming<'_>, path: &Path) -> Arc<Loaded> {
+        let load = || Arc::new(self.load(naming.files, path, &naming.plain_options()));
+        match &self.specs {
+            Some(specs) => specs.baselines.get(path.to_owned(), load),
+            None => load(),
         }
-        let loaded = Arc::new(self.load(naming.files, path, &naming.plain_options()));
-        if let Some(specs) = &mut self.specs {
-            specs.baselines.insert(path.to_owned(), loaded.clone());
-        }
-        loaded
     }
 
     /// The files of a cycle of baselines reachable from a loaded spec; `None` without a cycle.

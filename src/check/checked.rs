@@ -3,24 +3,21 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use super::attached::read_motion;
 use super::baseline::{self, Naming};
 use super::checker::Checker;
 use super::reference::{OnDemand, Reference};
 use super::{
-    Subject, chain, check, corners, exports, height, issue, judging, motion_kind, overridden, parents,
-    profiled, reference, relative, seeds, simulated, symmetry, terms,
+    Subject, chain, check, corners, exports, height, judging, motion_kind, overridden, parents, profiled,
+    reference, relative, seeds, simulated, symmetry, terms,
 };
-use crate::diag::{Diagnostic, Severity, Sink, Sources, Span};
+use crate::diag::{Diagnostic, Sink, Sources, Span};
 use crate::kinds::motion;
-use crate::kinds::motion::clip::Clip;
-use crate::robot::{self, Robot, stated};
-use crate::spec::decode::{self, Decoded};
+use crate::robot::{Robot, stated};
 use crate::spec::family::Family;
 use crate::spec::section::Report;
 use crate::spec::suite::Arm;
-use crate::spec::{
-    Attachment, Experiment, LoadOptions, Loaded, Reach, Section, Table, Value, Vocabulary, allow, section,
-};
+use crate::spec::{Experiment, LoadOptions, Loaded, Section, Table, Vocabulary, allow};
 use crate::syntax::{self, Disk, Files};
 
 /// A spec with everything known before it is run.
@@ -74,8 +71,10 @@ impl Checker {
     pub fn check(&mut self, files: &dyn Files, path: &Path, options: &LoadOptions) -> Checked {
         let Loaded { sources, mut sink, experiment, family } = self.load(files, path, options);
         let Some(mut experiment) = experiment else { return Checked { sources, sink, ..Checked::default() } };
-        let mut robot =
-            experiment.robot.as_ref().and_then(|file| self.robot(file, &experiment, &sources, &mut sink));
+        let mut robot = experiment
+            .robot
+            .as_ref()
+            .and_then(|file| self.robots.read(file, &experiment, &sources, &mut sink));
         if let Some(robot) = &mut robot {
             stated::state(robot, &experiment.table);
             relative::resolve(&mut experiment, robot, &mut sink);
@@ -84,11 +83,11 @@ impl Checker {
             .motion
             .as_ref()
             .and_then(|file| read_motion(file, files, &experiment.reach, &sources, &mut sink));
-        let references = &mut self.references;
+        let references = &self.references;
         let mut make = || {
             let [of, by] = [experiment.robot.as_ref()?, experiment.motion.as_ref()?];
             let key = [of, by].map(|file| (file.name.clone(), file.text.clone()));
-            Some(references.get(key.into(), motion.as_ref()?, robot.as_ref()?))
+            Some(reference::made(references, key.into(), motion.as_ref()?, robot.as_ref()?))
         };
         let parts = Parts { robot: robot.as_ref(), motion: motion.as_ref(), make: &mut make };
         let written = Written { experiment: &experiment, family: &family, sources: &sources };
@@ -101,27 +100,6 @@ impl Checker {
             self.baselines(&naming, &baseline::task(&experiment).into_iter().collect(), &mut sink);
         finish(&experiment, options.deny_warnings, &mut sink);
         Checked { sources, sink, experiment: Some(experiment), robot, motion, baselines }
-    }
-
-    /// The robot of a file, cached or read now.
-    pub(super) fn robot(
-        &mut self,
-        file: &Attachment,
-        experiment: &Experiment,
-        sources: &Sources,
-        sink: &mut Sink,
-    ) -> Option<Robot> {
-        let key = (file.name.clone(), file.text.clone());
-        if let Some(known) = self.robots.get(&key) {
-            return Some(known.clone());
-        }
-        let before = sink.diagnostics.len();
-        let robot = read_robot(file, experiment, sources, sink)?;
-        // Warnings are not cached, as their places differ in each spec's texts.
-        if sink.diagnostics.len() == before {
-            self.robots.insert(key, robot.clone());
-        }
-        Some(robot)
     }
 }
 
@@ -232,59 +210,5 @@ fn find_compared(experiment: &Experiment, files: &dyn Files, sink: &mut Sink) {
             Some(mark) => diagnostic.at(mark.value, "relative to this file"),
             None => diagnostic,
         });
-    }
-}
-
-/// The robot of a file; its mistakes go to the sink.
-pub(super) fn read_robot(
-    file: &Attachment,
-    experiment: &Experiment,
-    sources: &Sources,
-    sink: &mut Sink,
-) -> Option<Robot> {
-    let node = syntax::parse(sources, file.source, sink)?;
-    let decoded = decode::table(&node, robot::file::PARAMS, sink)?;
-    let (robot, issues) = robot::from_table(&file.name, &decoded.table);
-    let named = experiment.marks.get(&section::Robot::model.path()).map(|mark| mark.value);
-    let sound = issues.iter().all(|issue| issue.severity() == Severity::Warning);
-    for found in issues {
-        sink.emit(issue(&found, &decoded.marks, named));
-    }
-    robot.filter(|_| sound)
-}
-
-/// The decoded file of a motion. The text of a recording that it names is stored under `clip`, so that a
-/// changed recording changes the motion.
-pub(super) fn read_motion(
-    file: &Attachment,
-    files: &dyn Files,
-    reach: &Reach,
-    sources: &Sources,
-    sink: &mut Sink,
-) -> Option<Table> {
-    let node = syntax::parse(sources, file.source, sink)?;
-    let Decoded { mut table, marks } = decode::kind(&node, &motion::kinds(), sink)?;
-    let Some(name) = &Section::new(&table).value(Clip::file) else { return Some(table) };
-    let text = match &file.path {
-        Some(path) => {
-            let path = path.with_file_name(name);
-            reach.refusal(files, &path).map_or_else(|| syntax::file::read(files, &path), Err)
-        }
-        None => motion::embedded(name)
-            .map(str::to_owned)
-            .ok_or_else(|| Diagnostic::error("E0004", format!("file not found: `{name}`"))),
-    };
-    match text {
-        Ok(text) => {
-            table.insert(Clip::TEXT.name.into(), Value::Text(text));
-            Some(table)
-        }
-        Err(diagnostic) => {
-            sink.emit(match marks.get(Clip::file.name) {
-                Some(mark) => diagnostic.at(mark.value, "a CSV file beside this one"),
-                None => diagnostic,
-            });
-            None
-        }
     }
 }

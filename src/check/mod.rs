@@ -4,6 +4,7 @@
 
 mod applicable;
 mod arms;
+mod attached;
 mod baseline;
 mod budget;
 mod cells;
@@ -28,6 +29,7 @@ mod motion_kind;
 mod negligible;
 mod observation;
 mod odd;
+mod once;
 mod overridden;
 mod parents;
 mod phase;

@@ -1,10 +1,10 @@
 //! E0509: a reference motion that the robot cannot make, or only with self-collisions where they end
 //! episodes. W0422 where self-collisions end no episode.
 
-use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
 use super::Subject;
+use super::once::Once;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::motion::clip::Clip;
 use crate::kinds::motion::{self, Frame, Motion, MotionError};
@@ -52,25 +52,14 @@ pub struct OnDemand<'a> {
 }
 
 /// Cache of reference motions by robot and motion file: a suite has thousands of arms but few motions.
-#[derive(Clone, Debug)]
-pub struct References<K> {
-    made: BTreeMap<K, Arc<Reference>>,
-}
+pub type References<K> = Once<K, Arc<Reference>>;
 
-impl<K> Default for References<K> {
-    fn default() -> Self {
-        Self { made: BTreeMap::new() }
-    }
-}
-
-impl<K: Ord> References<K> {
-    /// The motion on the robot.
-    pub fn get(&mut self, key: K, file: &Table, robot: &Robot) -> Arc<Reference> {
-        let file = Section::new(file);
-        let make =
-            || Arc::new(motion::build("reference", file, robot, file.value(Clip::TEXT).as_deref()).into());
-        self.made.entry(key).or_insert_with(make).clone()
-    }
+/// The motion on the robot.
+pub fn made<K: Ord>(known: &References<K>, key: K, file: &Table, robot: &Robot) -> Arc<Reference> {
+    let file = Section::new(file);
+    known.get(key, || {
+        Arc::new(motion::build("reference", file, robot, file.value(Clip::TEXT).as_deref()).into())
+    })
 }
 
 /// Whether the spec's robot and motion are embedded in the program, or copies of those under other names.

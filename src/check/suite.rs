@@ -5,11 +5,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
+use super::attached::{Robots, read_motion};
 use super::baseline::{self, Naming};
-use super::checked::{CheckedArm, Parts, Written, apply_rules, finish, read_motion, read_robot};
-use super::checker::{Checker, File};
+use super::checked::{CheckedArm, Parts, Written, apply_rules, finish};
+use super::checker::Checker;
 use super::claims::{self, ArmScope, Scope};
-use super::reference::{Reference, References};
+use super::reference::{self, Reference, References};
 use super::simulated::Known;
 use super::{arms, budget, figures, relative, seeds};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
@@ -64,7 +65,7 @@ impl Checker {
     pub fn suite(&mut self, files: &dyn Files, path: &Path, options: &LoadOptions) -> CheckedSuite {
         let loaded = load(files, path, options, &self.vocabulary);
         let shared =
-            Shared { vocabulary: &self.vocabulary, robots: &mut self.robots, simulated: &mut self.simulated };
+            Shared { vocabulary: &self.vocabulary, robots: &self.robots, simulated: &mut self.simulated };
         let mut checked = examined(files, options, loaded, shared);
         let CheckedSuite { suite: Some(suite), arms, sink, .. } = &mut checked else { return checked };
         let Some(first) = arms.first() else { return checked };
@@ -80,7 +81,7 @@ impl Checker {
 struct Shared<'a> {
     vocabulary: &'a Vocabulary,
     /// Robots read so far.
-    robots: &'a mut BTreeMap<File, Robot>,
+    robots: &'a Robots,
     /// Findings about simulated robots so far.
     simulated: &'a mut Known,
 }
@@ -195,7 +196,7 @@ struct Shelf<'a> {
     files: &'a dyn Files,
     sources: &'a Sources,
     /// Valid robots by their whole text, also those of other suites.
-    known: &'a mut BTreeMap<File, Robot>,
+    known: &'a Robots,
     robots: BTreeMap<(SourceId, Option<Span>), Read<Robot>>,
     motions: BTreeMap<SourceId, Read<Table>>,
     references: References<(SourceId, SourceId)>,
@@ -204,7 +205,7 @@ struct Shelf<'a> {
 type Read<T> = (Option<Arc<T>>, Vec<Diagnostic>);
 
 impl<'a> Shelf<'a> {
-    fn new(files: &'a dyn Files, sources: &'a Sources, known: &'a mut BTreeMap<File, Robot>) -> Self {
+    fn new(files: &'a dyn Files, sources: &'a Sources, known: &'a Robots) -> Self {
         let (robots, motions) = (BTreeMap::new(), BTreeMap::new());
         Self { files, sources, known, robots, motions, references: References::default() }
     }
@@ -213,15 +214,8 @@ impl<'a> Shelf<'a> {
     fn robot(&mut self, file: &Attachment, experiment: &Experiment, sink: &mut Sink) -> Option<Arc<Robot>> {
         let named = experiment.marks.get(&section::Robot::model.path()).map(|mark| mark.value);
         let read = self.robots.entry((file.source, named)).or_insert_with(|| {
-            let key = (file.name.clone(), file.text.clone());
-            if let Some(robot) = self.known.get(&key) {
-                return (Some(Arc::new(robot.clone())), Vec::new());
-            }
             let mut found = Sink::default();
-            let robot = read_robot(file, experiment, self.sources, &mut found);
-            if let Some(robot) = robot.as_ref().filter(|_| found.diagnostics.is_empty()) {
-                self.known.insert(key, robot.clone());
-            }
+            let robot = self.known.read(file, experiment, self.sources, &mut found);
             (robot.map(Arc::new), found.diagnostics)
         });
         sink.diagnostics.extend(read.1.iter().cloned());
@@ -246,6 +240,6 @@ impl<'a> Shelf<'a> {
         motion: Option<&Table>,
     ) -> Option<Arc<Reference>> {
         let key = (experiment.robot.as_ref()?.source, experiment.motion.as_ref()?.source);
-        Some(self.references.get(key, motion?, robot?))
+        Some(reference::made(&self.references, key, motion?, robot?))
     }
 }

@@ -55,6 +55,12 @@ impl Gathered {
         Self { path: path.to_owned(), forms, sources, sink, merged }
     }
 
+    /// The names of its profiles; none if there is a mistake in the files.
+    pub fn profiles(&self) -> Arc<[String]> {
+        let merged = self.merged.as_ref().filter(|_| !self.sink.has_errors());
+        merged.map(|merged| merged.names.clone()).unwrap_or_default()
+    }
+
     /// Loads it under a profile, with assignments.
     pub fn load(&self, files: &dyn Files, options: &LoadOptions, vocabulary: &Vocabulary) -> Loaded {
         let (sources, sink) = (self.sources.clone(), self.sink.clone());

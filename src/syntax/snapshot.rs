@@ -1,6 +1,7 @@
 //! Files that are read once: a check of a spec asks for the same few files under every profile.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -18,8 +19,8 @@ pub struct Snapshot<F> {
     identities: Known<PathBuf>,
 }
 
-/// The answers so far, by path.
-type Known<T> = Mutex<HashMap<PathBuf, T>>;
+/// The answers so far, by path as it was written: comparing paths step by step takes longer.
+type Known<T> = Mutex<BTreeMap<OsString, T>>;
 
 impl<F: Files> Snapshot<F> {
     /// A snapshot that nothing has been asked of yet.
@@ -64,11 +65,11 @@ impl<F: Files> Files for Snapshot<F> {
 /// ask at the same time, both get the answer of the first.
 fn known<T: Clone, E>(known: &Known<T>, path: &Path, ask: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
     let answers = || known.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(answer) = answers().get(path).cloned() {
+    if let Some(answer) = answers().get(path.as_os_str()).cloned() {
         return Ok(answer);
     }
     let answer = ask()?;
-    Ok(answers().entry(path.to_owned()).or_insert(answer).clone())
+    Ok(answers().entry(path.as_os_str().to_owned()).or_insert(answer).clone())
 }
 
 /// The same for an answer that never fails.

@@ -98,6 +98,8 @@ const FOREIGN_KEY: &str = "E0105";
 
 /// Maximum number of profiles named in a message.
 const NAMED: usize = 10;
+/// Maximum number of profiles that are checked before it is known whether the spec has a mistake.
+const FEW: usize = 10;
 
 /// The findings in a spec or a suite, in those it is compared with and in its report's template, and the
 /// profiles that it could be checked under.
@@ -249,15 +251,6 @@ fn examine(file: &Path, options: &LoadOptions, lenient: bool, checker: &mut Chec
         let look = Look { files: &files, file, template };
         if suite { look.suite(options, checker) } else { look.spec(options, checker) }
     };
-    // Without a mistake, everything about the profiles is found when each of them is checked.
-    let all_profiles = options.profile.is_none();
-    let mut plain = look(checker, &LoadOptions { without_profiles: all_profiles, ..options.clone() }, true);
-    let lacks = |name: &String| lenient && !plain.profiles.contains(name);
-    let without = options.profile.as_ref().is_some_and(lacks);
-    if without {
-        plain = look(checker, &LoadOptions { profile: None, ..options.clone() }, true);
-    }
-    let names = if all_profiles { plain.profiles.clone() } else { Arc::default() };
     // Keep nothing of a spec that has no errors under a profile: there may be a thousand profiles.
     let under = |checker: &mut Checker, profile: &String| {
         let options = LoadOptions { profile: Some(profile.clone()), ..options.clone() };
@@ -266,18 +259,33 @@ fn examine(file: &Path, options: &LoadOptions, lenient: bool, checker: &mut Chec
         let found = other.findings(file).into_iter().filter(|found| !found.diagnostics.is_empty()).collect();
         Under { profile: profile.clone(), is_sound, found }
     };
-    // Each thread starts with what the check without a profile has read.
-    let each = |known: &Checker| -> Vec<Under> {
-        let own_checker = || known.clone();
-        names.par_iter().map_init(own_checker, under).collect()
+    let each = |profiles: &[String], checker: &Checker| -> Vec<Under> {
+        profiles.par_iter().map_init(|| checker.clone(), under).collect()
     };
-    let mut profiles = if plain.sink.has_errors() { Vec::new() } else { each(checker) };
+    // Most specs have no mistake, so a few profiles are checked at the same time; everything about them is
+    // found there.
+    let all_profiles = options.profile.is_none();
+    let early = if all_profiles && !suite { checker.profiles(&files, file, options) } else { Arc::default() };
+    let early = if early.len() <= FEW { early } else { Arc::default() };
+    let (other, alone) = (checker.clone(), LoadOptions { without_profiles: all_profiles, ..options.clone() });
+    let (mut plain, early) = rayon::join(|| look(checker, &alone, true), || each(&early, &other));
+    let lacks = |name: &String| lenient && !plain.profiles.contains(name);
+    let without = options.profile.as_ref().is_some_and(lacks);
+    if without {
+        plain = look(checker, &LoadOptions { profile: None, ..options.clone() }, true);
+    }
+    let names = if all_profiles { plain.profiles.clone() } else { Arc::default() };
+    let mut profiles = match plain.sink.has_errors() {
+        true => Vec::new(),
+        false if early.is_empty() => each(&names, checker),
+        false => early,
+    };
     let mut foreign = false;
     if all_profiles && (plain.sink.has_errors() || profiles.iter().any(|under| !under.is_sound)) {
         // A mistake in the text of a profile is one of the spec's own.
         plain = look(checker, options, true);
         foreign = plain.sink.diagnostics.iter().any(|found| found.code == FOREIGN_KEY);
-        profiles = if foreign || !plain.sink.has_errors() { each(checker) } else { Vec::new() };
+        profiles = if foreign || !plain.sink.has_errors() { each(&names, checker) } else { Vec::new() };
     }
     let sound = profiles.iter().filter(|under| foreign && under.is_sound).map(|under| under.profile.clone());
     plain.name_sound(&sound.collect::<Vec<String>>());

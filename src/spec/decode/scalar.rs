@@ -257,7 +257,8 @@ pub fn in_range(si: f64, dimension: Dimension, node: &Node, param: &Param) -> Re
         "E0204",
         format!("`{}` is out of range: {}", param.name, quantity::written(&written)),
     );
-    let is_in_degrees = dimension == Dimension::ANGLE && node.text().is_some_and(|text| text.ends_with("deg"));
+    let is_in_degrees =
+        dimension == Dimension::ANGLE && node.text().is_some_and(|text| text.ends_with("deg"));
     // Rounded towards zero, so that the bounds shown are within the range.
     let shown = |bound: f64| quantity::number((bound.to_degrees() * 10.0).trunc() / 10.0);
     let too = match is_in_degrees {
