@@ -19,7 +19,7 @@ pub struct Snapshot<F> {
     identities: Known<PathBuf>,
 }
 
-/// The answers so far, by path as it was written: comparing paths step by step takes longer.
+/// The answers so far. The key is the text of the path: texts compare faster than paths.
 type Known<T> = Mutex<BTreeMap<OsString, T>>;
 
 impl<F: Files> Snapshot<F> {
