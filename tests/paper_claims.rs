@@ -56,7 +56,7 @@ fn power(claim: &toml::Table, planned: &Json) -> Option<String> {
     };
     let share = 100.0 * planned["power"].as_f64()?;
     let needed = match planned["seeds_needed"].as_u64() {
-        Some(seeds) if share < 80.0 => format!("; 80 % in a comparison need {seeds} seeds"),
+        Some(seeds) if share < 80.0 => format!("; 80 % need {seeds} seeds"),
         _ => String::new(),
     };
     Some(format!(

@@ -1,6 +1,6 @@
 //! The power of a claim's test at the effect and the spread between runs that the claim states.
 
-use super::power::{Arm, MOST_RUNS, TARGET, detectable, of_arms, runs_needed};
+use super::power::{Arm, MOST_RUNS, TARGET, detectable, of_arms};
 use super::region::Region;
 use crate::kinds::statistic::{StatisticKind, Unit};
 use crate::spec::claim::{Case, Claim, Over, Relation};
@@ -38,43 +38,48 @@ impl<'a> Assumed<'a> {
         }
     }
 
-    /// The distance beyond the boundary at which the power of so many runs per arm is [`TARGET`].
-    pub fn detectable(&self, runs: usize, level: f64) -> Option<f64> {
-        detectable(self.spreads.as_deref()?, runs, level)
+    /// The distance beyond the boundary at which the power of the claim is [`TARGET`], with so many runs in
+    /// every arm.
+    pub fn detectable(&self, cases: &[Case], runs: usize, level: f64) -> Option<f64> {
+        let scale = self.spreads.as_deref()?.iter().map(|spread| spread * spread).sum();
+        detectable(libm::sqrt(scale), |distance| self.at(distance, cases, |_| runs, level))
     }
 
-    /// The runs per arm with which one comparison has the power [`TARGET`]; `None` where the effect does not
-    /// lie beyond the boundary.
-    pub fn runs_needed(&self, level: f64) -> Option<usize> {
-        let distance = self.distance.filter(|distance| *distance > 0.0)?;
-        runs_needed(distance, self.spreads.as_deref()?, level)
-    }
-
-    /// The power of one comparison whose sides have these numbers of runs.
-    fn of_comparison(&self, runs: &[usize], level: f64) -> Option<f64> {
-        // Which side is multiplied does not depend on which is written first.
-        let sides = runs.iter().zip(self.spreads.as_deref()?);
-        let arms: Vec<Arm> = sides.map(|(runs, spread)| Arm { spread: *spread, runs: *runs }).collect();
-        let power = of_arms(self.distance?, &arms, level)?;
-        let is_range = self.claim.expect.relation == Relation::Equal;
-        // Both ends of a range must be exceeded.
-        Some(if is_range { (2.0 * power - 1.0).max(0.0) } else { power })
-    }
-
-    /// The chance of a PASS, given the runs of every arm by its place: where every comparison must pass, the
-    /// product of theirs, the least that it can be, which it is for comparisons that share no arm.
+    /// The chance of a PASS, given the runs of every arm by its place.
     pub fn power(&self, cases: &[Case], runs: impl Fn(usize) -> usize, level: f64) -> Option<f64> {
-        let of_case = |case: &Case| {
-            let arms = [Some(case.a), case.b.filter(|_| self.claim.sides.len() == 2)];
-            let runs: Vec<usize> = arms.into_iter().flatten().map(&runs).collect();
-            self.of_comparison(&runs, level)
+        self.at(self.distance?, cases, runs, level)
+    }
+
+    /// [`Self::power`] if every comparison lies so far beyond its boundary. Where each must pass, the product of
+    /// theirs, the least that it can be, which it is for comparisons that share no arm.
+    fn at(&self, distance: f64, cases: &[Case], runs: impl Fn(usize) -> usize, level: f64) -> Option<f64> {
+        // Which side is multiplied does not depend on which is written first.
+        let spreads = self.spreads.as_deref()?;
+        let arms = |case: &Case, weight: f64| -> Vec<Arm> {
+            let sides = [Some(case.a), case.b].into_iter().flatten().zip(spreads);
+            sides.map(|(arm, spread)| Arm { spread: weight * spread, runs: runs(arm) }).collect()
         };
+        let power = |arms: &[Arm]| {
+            let power = of_arms(distance, arms, level)?;
+            let is_range = self.claim.expect.relation == Relation::Equal;
+            // Both ends of a range must be exceeded.
+            Some(if is_range { (2.0 * power - 1.0).max(0.0) } else { power })
+        };
+        let first = arms(cases.first()?, 1.0);
         match self.claim.over {
-            _ if cases.is_empty() => None,
             None | Some(Over::Each) => {
-                cases.iter().map(of_case).collect::<Option<Vec<f64>>>().map(|powers| powers.iter().product())
+                let of_first = power(&first)?;
+                let of_case = |case: &Case| match arms(case, 1.0) {
+                    alike if alike == first => Some(of_first),
+                    other => power(&other),
+                };
+                cases.iter().map(of_case).product()
             }
-            _ => cases.first().and_then(of_case),
+            Some(Over::Mean) => {
+                let weight = 1.0 / cases.len() as f64;
+                power(&cases.iter().flat_map(|case| arms(case, weight)).collect::<Vec<_>>())
+            }
+            _ => power(&first),
         }
     }
 

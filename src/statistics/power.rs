@@ -23,27 +23,34 @@ pub struct Arm {
     pub runs: usize,
 }
 
+impl Arm {
+    /// The squared standard error of its mean.
+    fn square(&self) -> f64 {
+        self.spread * self.spread / self.runs as f64
+    }
+}
+
 /// From this many runs per arm, the degrees of freedom of Welch's test are computed from the true spreads.
 const MANY: usize = 8;
 /// Number of points for summing over the distribution of each arm's estimated variance.
 const POINTS_OF_FEW: usize = 40;
 
-/// Probability that Welch's test of one or two arms finds, at a two-sided level, that the estimate lies
-/// beyond a boundary, if the true value lies this far beyond it. Arms may have different numbers of runs.
-/// `None` without any spread or with fewer than two runs in an arm.
+/// Probability that Welch's test of a sum of means finds, at a two-sided level, that the estimate lies beyond
+/// a boundary, if the true value lies this far beyond it: of one arm, of two, or of the arms of several strata,
+/// whose spreads are then multiplied by their weights. Arms may have different numbers of runs. `None` without
+/// any spread or with fewer than two runs in an arm.
 pub fn of_arms(distance: f64, arms: &[Arm], alpha: f64) -> Option<f64> {
     let fewest = arms.iter().map(|arm| arm.runs).min()?;
-    let of_one_size = arms.iter().all(|arm| arm.runs == fewest);
-    if fewest >= MANY && of_one_size {
-        let spreads: Vec<f64> = arms.iter().map(|arm| arm.spread).collect();
-        return of_many(distance, &spreads, fewest, alpha);
-    }
-    let squares: f64 = arms.iter().map(|arm| arm.spread * arm.spread / arm.runs as f64).sum();
+    let squares: f64 = arms.iter().map(Arm::square).sum();
     if fewest < 2 || squares <= 0.0 {
         return None;
     }
     if fewest < FEW && alpha < SMALLEST_OF_FEW {
         return Some(0.0);
+    }
+    let of_one_size = arms.iter().all(|arm| arm.runs == fewest);
+    if fewest >= MANY && of_one_size || arms.len() > 2 {
+        return of_many(distance, arms, alpha);
     }
     let draws: Vec<Vec<Share>> = arms.iter().map(|arm| estimates(*arm)).collect::<Option<_>>()?;
     let certain = vec![Share { square: 0.0, squared_over_freedom: 0.0, weight: 1.0 }];
@@ -78,7 +85,7 @@ fn estimates(arm: Arm) -> Option<Vec<Share>> {
     let chi = ChiSquared::new(freedom).ok()?;
     let share = |point: usize| {
         let ratio = chi.inverse_cdf((point as f64 + 0.5) / POINTS_OF_FEW as f64) / freedom;
-        let square = (arm.spread * arm.spread / arm.runs as f64 * ratio).max(1e-300);
+        let square = (arm.square() * ratio).max(1e-300);
         Share { square, squared_over_freedom: square * square / freedom, weight: 1.0 / POINTS_OF_FEW as f64 }
     };
     Some((0..POINTS_OF_FEW).map(share).collect())
@@ -91,17 +98,13 @@ pub fn of_means(distance: f64, spreads: &[f64], runs: usize, alpha: f64) -> Opti
     of_arms(distance, &arms, alpha)
 }
 
-/// [`of_means`] with the degrees of freedom from the true spreads.
-fn of_many(distance: f64, spreads: &[f64], runs: usize, alpha: f64) -> Option<f64> {
-    let variances = || spreads.iter().map(|spread| spread * spread);
-    let sum: f64 = variances().sum();
-    if runs < 2 || sum <= 0.0 {
-        return None;
-    }
-    let freedom =
-        (runs - 1) as f64 * sum * sum / variances().map(|variance| variance * variance).sum::<f64>();
+/// [`of_arms`] with the degrees of freedom from the true spreads, which must not all be zero.
+fn of_many(distance: f64, arms: &[Arm], alpha: f64) -> Option<f64> {
+    let sum: f64 = arms.iter().map(Arm::square).sum();
+    let parts = arms.iter().map(|arm| arm.square() * arm.square() / (arm.runs - 1) as f64);
+    let freedom = sum * sum / parts.sum::<f64>();
     let critical = StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(1.0 - 0.5 * alpha);
-    noncentral_tail(critical, distance / libm::sqrt(sum / runs as f64), freedom)
+    noncentral_tail(critical, distance / libm::sqrt(sum), freedom)
 }
 
 /// Probability that a t statistic with this noncentrality exceeds a number: the normal tail averaged over the
@@ -128,11 +131,10 @@ pub fn runs_needed(distance: f64, spreads: &[f64], alpha: f64) -> Option<usize> 
     first(2, |runs| of_means(distance, spreads, runs, alpha).is_some_and(|power| power >= TARGET))
 }
 
-/// The distance from the boundary for which the test has the power [`TARGET`].
-pub fn detectable(spreads: &[f64], runs: usize, alpha: f64) -> Option<f64> {
-    let scale = libm::sqrt(spreads.iter().map(|spread| spread * spread).sum());
-    let is_enough = |distance: f64| of_means(distance, spreads, runs, alpha).map(|power| power >= TARGET);
-    is_enough(0.0)?;
+/// The distance from the boundary at which this power, which rises with the distance, is [`TARGET`], for runs
+/// that spread by `scale`. `None` where no distance gives it or the power is not defined.
+pub fn detectable(scale: f64, power: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+    let is_enough = |distance: f64| power(distance).map(|power| power >= TARGET);
     let (mut little, mut enough) = (0.0, 1e3 * scale);
     if !is_enough(enough)? {
         return None;
@@ -258,6 +260,27 @@ mod tests {
     }
 
     #[test]
+    fn the_power_of_a_mean_over_strata_is_that_of_simulated_tests() {
+        // Six strata of two arms, as many standard deviations from the boundary as leave the test open at times.
+        for (runs, distance) in [(3, 1.6), (6, 1.1)] {
+            let mut stream = Stream::new(&format!("test/power/strata/{runs}"));
+            let mut passes = || {
+                let mut draw = |mean: f64| (0..runs).map(|_| mean + stream.normal()).collect::<Vec<f64>>();
+                let arms: Vec<[Vec<f64>; 2]> = (0..6).map(|_| [draw(distance), draw(0.0)]).collect();
+                let sides = |[a, b]: &'_ [Vec<f64>; 2]| [(1.0 / 6.0, a.clone()), (-1.0 / 6.0, b.clone())];
+                let samples: Vec<(f64, Vec<f64>)> = arms.iter().flat_map(sides).collect();
+                let samples: Vec<(f64, &[f64])> =
+                    samples.iter().map(|(weight, runs)| (*weight, runs.as_slice())).collect();
+                let found = crate::statistics::welch::contrast(&samples).expect("a spread");
+                found.value > 0.0 && found.p(0.0).expect("a p") <= 0.01
+            };
+            let simulated = (0..2000).filter(|_| passes()).count() as f64 / 2000.0;
+            let power = of_arms(distance, &[Arm { spread: 1.0 / 6.0, runs }; 12], 0.01).expect("a power");
+            assert!((power - simulated).abs() < 0.03, "{runs}: {power} and {simulated}");
+        }
+    }
+
+    #[test]
     fn the_episodes_that_are_needed_have_the_power_that_they_were_computed_for() {
         // Paired outcomes: 10 % only the first, 4 % only the second.
         let (only_first, only_second) = (0.10, 0.04);
@@ -300,9 +323,10 @@ mod tests {
 
     #[test]
     fn what_can_be_detected_needs_the_runs_that_it_was_computed_for() {
-        let distance = detectable(&[0.1, 0.1], 5, 0.05).expect("a distance");
+        let of = |spreads: &'static [f64]| move |distance: f64| of_means(distance, spreads, 5, 0.05);
+        let distance = detectable(0.1, of(&[0.1, 0.1])).expect("a distance");
         assert_eq!(runs_needed(distance, &[0.1, 0.1], 0.05), Some(5));
-        assert_eq!(detectable(&[0.0], 5, 0.05), None);
+        assert_eq!(detectable(0.0, of(&[0.0])), None);
     }
 
     #[test]

@@ -102,9 +102,9 @@ fn one(claim: &Claim, arms: &[PlannedArm], level: f64) -> Option<Planned> {
         unit: if of_runs { "run" } else { "episode" },
         level,
         metric_unit: unit(claim, metric),
-        detects: assumed.detectable(seeds, level),
+        detects: assumed.detectable(&cases, seeds, level),
         power: assumed.power(&cases, |arm| arms[arm].seeds, level),
-        seeds_needed: assumed.runs_needed(level),
+        seeds_needed: assumed.runs_for_all(&cases, level),
         seeds_needed_alike: alike_runs_needed(level).filter(|_| of_runs && claim.sides.len() == 2),
         successes: successes(claim, test, arms, &cases, level),
     })
@@ -330,6 +330,40 @@ mod tests {
         assert_eq!(with(&[claim(0.3), claim(0.3)], [5; 2])[0].level, 0.025);
         let unknown = with(&[sample("control=torque", None)], [5; 2]).remove(0);
         assert_eq!((unknown.power, unknown.detects), (None, None));
+    }
+
+    #[test]
+    fn several_comparisons_need_more_runs_than_one_and_their_mean_fewer() {
+        let quantity = |si: f64| Some(Quantity { si, text: si.to_string() });
+        let plan = |grounds: &[&str], over: Over, seeds: usize| {
+            let claim = Claim {
+                margin: quantity(0.2),
+                effect: quantity(0.3),
+                spread: quantity(0.1),
+                over: Some(over),
+                ..sample("control=torque", Some("control=position"))
+            };
+            let point = |axis: &str, point: &str| (axis.to_owned(), point.to_owned());
+            let arms = |ground: &&str| {
+                ["torque", "position"].map(|control| vec![point("control", control), point("ground", ground)])
+            };
+            let points: Vec<_> = grounds.iter().flat_map(arms).collect();
+            let fields = Table::new();
+            let arm = |points| PlannedArm { points, seeds, fields: &fields };
+            let arms: Vec<PlannedArm> = points.iter().map(|points| arm(points.as_slice())).collect();
+            planned(&[claim], &arms).remove(0)
+        };
+        let one = plan(&["hard"], Over::Each, 17);
+        let [each, mean] = [Over::Each, Over::Mean].map(|over| plan(&["hard", "soft"], over, 17));
+        // Both comparisons must pass; the mean of two has half the variance.
+        assert!(each.power.zip(one.power).is_some_and(|(each, one)| (each - one * one).abs() < 1e-9));
+        assert!(each.detects > one.detects && one.detects > mean.detects, "{each:?} {one:?} {mean:?}");
+        let needed = [&one, &each, &mean].map(|planned| planned.seeds_needed);
+        assert_eq!(needed, [Some(17), Some(22), Some(9)]);
+        for (over, seeds) in [(Over::Each, 22), (Over::Mean, 9)] {
+            let power = |seeds| plan(&["hard", "soft"], over.clone(), seeds).power.expect("a power");
+            assert!(power(seeds) >= 0.8 && power(seeds - 1) < 0.8, "{over:?}: {}", power(seeds));
+        }
     }
 
     #[test]

@@ -110,26 +110,21 @@ fn needed(claim: &Judged, case: &Case, level: f64) -> Needed {
     }
 }
 
-/// For means of runs, from the spread between runs.
+/// For means of runs, from the spread between the runs of each arm.
 fn by_mean(values: &[Vec<Vec<Option<f64>>>], claim: &Judged, distance: f64, level: f64) -> Needed {
-    let spread = |(side, strata): (usize, &Vec<Vec<Option<f64>>>)| {
+    let of_side = |(side, strata): (usize, &Vec<Vec<Option<f64>>>)| {
         let factor = if side == 0 { 1.0 } else { claim.factor };
         let weights = match claim.over.starts_with("trend") {
             true => trend::weights(strata.len()),
             false => vec![1.0 / strata.len() as f64; strata.len()],
         };
-        // Variance of a weighted sum of means.
-        let squares: Vec<f64> = strata
-            .iter()
-            .map(|runs| {
-                let runs: Vec<f64> = runs.iter().copied().collect::<Option<_>>()?;
-                deviation(&runs).map(|deviation| deviation * deviation)
-            })
-            .collect::<Option<_>>()?;
-        let parts = weights.iter().zip(&squares).map(|(weight, square)| weight * weight * square);
-        Some(factor * libm::sqrt(parts.sum()))
+        let spread = |(weight, runs): (f64, &Vec<Option<f64>>)| {
+            let runs: Vec<f64> = runs.iter().copied().collect::<Option<_>>()?;
+            deviation(&runs).map(|deviation| (factor * weight * deviation).abs())
+        };
+        weights.into_iter().zip(strata).map(spread).collect::<Vec<Option<f64>>>()
     };
-    let Some(spreads) = values.iter().enumerate().map(spread).collect::<Option<Vec<f64>>>() else {
+    let Some(spreads) = values.iter().enumerate().flat_map(of_side).collect::<Option<Vec<f64>>>() else {
         return NO_SPREAD;
     };
     if distance == 0.0 {
