@@ -1,24 +1,59 @@
 //! Values that several threads need and one of them makes.
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// Values by key, each made once: of threads that ask for the same one at the same time, one makes it and the
-/// others wait. Clones share the values.
+/// others do other work or wait. Clones share the values.
 #[derive(Debug)]
 pub struct Once<K, V> {
     made: Arc<Mutex<BTreeMap<K, Arc<OnceLock<V>>>>>,
 }
 
+/// At most so many other pieces of work are begun inside of one another while values are made elsewhere: each
+/// takes room on the stack.
+const DEEPEST: usize = 4;
+
+thread_local! {
+    /// How many pieces of work this thread has begun while it waits, or [`DEEPEST`] while it makes a value: other
+    /// work could ask for that value.
+    static DEPTH: Cell<usize> = const { Cell::new(0) };
+}
+
 impl<K: Ord, V: Clone> Once<K, V> {
     /// The value of a key. `make` must not ask for the same key, and must not wait for other threads.
     pub fn get(&self, key: K, make: impl FnOnce() -> V) -> V {
-        let value = {
+        let (value, is_first) = {
             let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
-            made.entry(key).or_default().clone()
+            match made.entry(key) {
+                Entry::Vacant(entry) => (entry.insert(Arc::default()).clone(), true),
+                Entry::Occupied(entry) => (entry.get().clone(), false),
+            }
         };
-        value.get_or_init(make).clone()
+        if !is_first {
+            work_until(|| value.get().is_some());
+        }
+        value.get_or_init(|| at_depth(DEEPEST, make)).clone()
     }
+}
+
+/// Does other work of the thread pool until the condition holds or there is none.
+fn work_until(holds: impl Fn() -> bool) {
+    while !holds() {
+        let depth = DEPTH.get();
+        if depth >= DEEPEST || at_depth(depth + 1, rayon::yield_now) != Some(rayon::Yield::Executed) {
+            return;
+        }
+    }
+}
+
+fn at_depth<T>(depth: usize, work: impl FnOnce() -> T) -> T {
+    let before = DEPTH.replace(depth);
+    let done = work();
+    DEPTH.set(before);
+    done
 }
 
 impl<K, V> Clone for Once<K, V> {
@@ -50,5 +85,29 @@ mod tests {
         });
         assert_eq!(calls.load(Ordering::SeqCst), 2);
         assert_eq!(ask(0) + ask(1), 1, "each key has its own value");
+    }
+
+    #[test]
+    fn a_thread_that_waits_does_other_work_of_its_pool() {
+        use rayon::prelude::*;
+        let (values, calls) = (Once::<usize, usize>::default(), AtomicUsize::new(0));
+        let make = |key: usize| {
+            calls.fetch_add(1, Ordering::SeqCst);
+            std::thread::sleep(std::time::Duration::from_millis(5));
+            key * key
+        };
+        let (begun, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let ask = |task: usize| {
+            most.fetch_max(begun.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
+            let sum: usize = [0, task % 3].map(|key| values.get(key, || make(key))).iter().sum();
+            begun.fetch_sub(1, Ordering::SeqCst);
+            sum
+        };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("a pool");
+        let sums: Vec<usize> = pool.install(|| (0..200).into_par_iter().map(ask).collect());
+        assert!(sums.iter().enumerate().all(|(task, sum)| *sum == (task % 3) * (task % 3)));
+        assert_eq!(calls.load(Ordering::SeqCst), 3);
+        let most = most.load(Ordering::SeqCst);
+        assert!(most > 2 && most <= 2 * (DEEPEST + 1), "{most} at once in two threads");
     }
 }

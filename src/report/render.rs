@@ -49,6 +49,11 @@ pub fn render(
 
 /// The errors of a template and of those it uses, found before anything is run.
 pub fn check(name: &str, templates: &Templates, sources: &mut Sources) -> Vec<Diagnostic> {
+    // They have no errors, and parsing them takes a tenth of the time of `check`.
+    if templates.is_embedded(name) { Vec::new() } else { errors(name, templates, sources) }
+}
+
+fn errors(name: &str, templates: &Templates, sources: &mut Sources) -> Vec<Diagnostic> {
     let environment = environment(templates);
     let page = Page::default();
     let found = preflights(&environment, name, &page, templates, sources);
@@ -180,4 +185,18 @@ fn tidied(text: String) -> String {
         }
     }
     format!("{}\n", lines.join("\n").trim_end())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_embedded_templates_have_no_errors() {
+        let templates = Templates::default();
+        for name in templates.names() {
+            let found = errors(&name, &templates, &mut Sources::default());
+            assert!(templates.is_embedded(&name) && found.is_empty(), "{name}: {found:?}");
+        }
+    }
 }

@@ -58,6 +58,14 @@ impl Templates {
             .map(|(_, text)| Template { path: Path::new("templates").join(name), text: text.to_string() }))
     }
 
+    /// Whether a report with this template reads only embedded texts.
+    pub fn is_embedded(&self, name: &str) -> bool {
+        let same = |(name, text): &(&str, &str)| {
+            self.get(name).is_ok_and(|found| found.is_some_and(|found| found.text == *text))
+        };
+        EMBEDDED.iter().any(|(known, _)| *known == name) && EMBEDDED.iter().all(same)
+    }
+
     /// The names of all templates, sorted.
     pub fn names(&self) -> Vec<String> {
         let entries =
@@ -128,9 +136,12 @@ mod tests {
         let own = Templates::new(Some(folder.path().to_path_buf()));
         assert_eq!(own.get("report.md.j2"), plain.get("report.md.j2"));
         assert_eq!(own.digest("report.md.j2"), plain.digest("report.md.j2"));
+        assert!(own.is_embedded("report.md.j2") && !own.is_embedded("other.md.j2"));
         std::fs::write(folder.path().join("report.md.j2"), "{{ name }}").expect("the folder can be written");
         assert_eq!(own.get("report.md.j2").expect("readable").expect("there is one").text, "{{ name }}");
         assert_ne!(own.digest("report.md.j2"), plain.digest("report.md.j2"));
+        assert!(!own.is_embedded("report.md.j2"));
+        assert!(!own.is_embedded("table.md.j2"), "it may read the other one");
     }
 
     #[test]
