@@ -50,7 +50,7 @@ impl Checker {
     /// The values of the baselines, in order, for arms with these tasks. Mistakes in a baseline are reported
     /// where it is named.
     pub(super) fn baselines(
-        &mut self,
+        &self,
         naming: &Naming<'_>,
         tasks: &BTreeSet<String>,
         sink: &mut Sink,
@@ -76,7 +76,7 @@ impl Checker {
     }
 
     /// A baseline without profile and assignments.
-    fn baseline(&mut self, naming: &Naming<'_>, path: &Path) -> Result<Experiment, Diagnostic> {
+    fn baseline(&self, naming: &Naming<'_>, path: &Path) -> Result<Experiment, Diagnostic> {
         let shown = escape::file(path);
         let wrong = |message: String, advice: &str| Err(Diagnostic::error("E0608", message).help(advice));
         if let Some(refusal) = naming.reach.refusal(naming.files, path) {
@@ -122,7 +122,7 @@ impl Checker {
     }
 
     /// A baseline whose quantities relative to the robot are shares of its own robot's figures.
-    fn for_its_robot(&mut self, mut experiment: Experiment, sources: &Sources) -> Experiment {
+    fn for_its_robot(&self, mut experiment: Experiment, sources: &Sources) -> Experiment {
         let Some(file) = experiment.robot.clone().filter(|_| relative::any(&experiment.table)) else {
             return experiment;
         };
@@ -146,7 +146,7 @@ impl Checker {
 
     /// The files of a cycle of baselines reachable from a loaded spec; `None` without a cycle.
     fn circle(
-        &mut self,
+        &self,
         naming: &Naming<'_>,
         path: &Path,
         loaded: &Loaded,

@@ -71,10 +71,20 @@ impl Checker {
     pub fn check(&mut self, files: &dyn Files, path: &Path, options: &LoadOptions) -> Checked {
         let Loaded { sources, mut sink, experiment, family } = self.load(files, path, options);
         let Some(mut experiment) = experiment else { return Checked { sources, sink, ..Checked::default() } };
-        let mut robot = experiment
-            .robot
-            .as_ref()
-            .and_then(|file| self.robots.read(file, &experiment, &sources, &mut sink));
+        let (named, reach) = (&experiment.baselines, &experiment.reach);
+        let naming = Naming { files, by: path, named, reach, options };
+        let mut in_baselines = Sink::default();
+        // Both are needed by all profiles, and are read while no other work can be done.
+        let (mut robot, baselines) = rayon::join(
+            || {
+                let file = experiment.robot.as_ref()?;
+                self.robots.read(file, &experiment, &sources, &mut sink)
+            },
+            || {
+                let tasks = baseline::task(&experiment).into_iter().collect();
+                self.baselines(&naming, &tasks, &mut in_baselines)
+            },
+        );
         if let Some(robot) = &mut robot {
             stated::state(robot, &experiment.table);
             relative::resolve(&mut experiment, robot, &mut sink);
@@ -94,10 +104,7 @@ impl Checker {
         apply_rules(written, parts, &self.vocabulary, &mut self.simulated, &mut sink);
         seeds::learning_and_evaluations_are_apart(&experiment, &mut sink);
         find_compared(&experiment, files, &mut sink);
-        let (named, reach) = (&experiment.baselines, &experiment.reach);
-        let naming = Naming { files, by: path, named, reach, options };
-        let baselines =
-            self.baselines(&naming, &baseline::task(&experiment).into_iter().collect(), &mut sink);
+        sink.diagnostics.append(&mut in_baselines.diagnostics);
         finish(&experiment, options.deny_warnings, &mut sink);
         Checked { sources, sink, experiment: Some(experiment), robot, motion, baselines }
     }

@@ -12,9 +12,9 @@ pub struct Once<K, V> {
     made: Arc<Mutex<BTreeMap<K, Arc<OnceLock<V>>>>>,
 }
 
-/// At most so many other pieces of work are begun inside of one another while values are made elsewhere: each
-/// takes room on the stack.
-const DEEPEST: usize = 4;
+/// At most so many other pieces of work are begun inside of one another while values are made elsewhere. Each
+/// takes room on the stack, and no other thread can finish it.
+const DEEPEST: usize = 1;
 
 thread_local! {
     /// How many pieces of work this thread has begun while it waits, or [`DEEPEST`] while it makes a value: other
