@@ -9,8 +9,10 @@ use super::verdict::judge;
 use super::wording::{labels, listed, with_interval};
 use crate::kinds::task::Task;
 
-/// Most claims whose text is quoted; the table below the answer has all.
+/// Most claims of a verdict whose text is quoted; the table below the answer has all.
 const TOLD: usize = 3;
+/// With more claims than this, one of each verdict is quoted.
+const MANY: usize = 10;
 
 /// What the claims of a suite came to: how many are established, and the texts of the first that are
 /// established, refuted and open.
@@ -24,8 +26,9 @@ pub fn of_claims(judged: &[Judged]) -> String {
         ("Refuted", texts(&[Ruling::Fail])),
         ("Open", texts(&[Ruling::NotEstablished, Ruling::NotMeaningful])),
     ];
+    let most = if judged.len() > MANY { 1 } else { TOLD };
     let told = kinds.into_iter().filter(|(_, texts)| !texts.is_empty()).map(|(word, texts)| {
-        let more = texts.len().saturating_sub(TOLD);
+        let more = texts.len().saturating_sub(most);
         let rest = if more > 0 { format!("; and {more} more") } else { String::new() };
         format!(" {word}: {}{rest}.", texts[..texts.len() - more].join("; "))
     });
@@ -128,6 +131,9 @@ mod tests {
         assert!(of_claims(&claims).ends_with(" Open: It runs."));
         claims.extend(["A", "B", "C", "D"].map(|text| claim(text, Ruling::Fail)));
         let told = " Established: It walks. Refuted: A; B; C; and 1 more. Open: It runs.";
+        assert!(of_claims(&claims).ends_with(told), "{}", of_claims(&claims));
+        claims.extend(["E", "F", "G", "H", "I"].map(|text| claim(text, Ruling::Pass)));
+        let told = " Established: It walks; and 5 more. Refuted: A; and 3 more. Open: It runs.";
         assert!(of_claims(&claims).ends_with(told), "{}", of_claims(&claims));
     }
 

@@ -161,7 +161,10 @@ pub fn in_brief(claim: &Judged, claims: usize) -> String {
             let range = range(cases).map_or_else(String::new, |range| format!("{range}; "));
             let (all, pass, fail) = (cases.len(), count(Ruling::Pass), count(Ruling::Fail));
             match alone {
-                Some(Ruling::Fail) => format!("{range}{fail} of {all} comparisons fail {}", corrected()),
+                Some(Ruling::Fail) => {
+                    let verb = if fail == 1 { "fails" } else { "fail" };
+                    format!("{range}{fail} of {all} comparisons {verb} {}", corrected())
+                }
                 Some(_) => format!("{range}{pass} of {all} comparisons pass {}", corrected()),
                 None => format!("{range}of {all} comparisons {pass} pass, {fail} fail"),
             }

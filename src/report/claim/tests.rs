@@ -693,7 +693,7 @@ fn a_claim_that_only_the_correction_leaves_open_says_so_beside_its_numbers() {
     assert_eq!(brief(both.clone(), 0.03), format!("1.0 rad; 2 of 2 comparisons pass {corrected}"));
     assert_eq!(brief(both, 0.001), "1.0 rad; of 2 comparisons 2 pass, 0 fail");
     let failing = vec![pass.clone(), fail];
-    assert_eq!(brief(failing, 0.03), format!("1.0 rad; 1 of 2 comparisons fail {corrected}"));
+    assert_eq!(brief(failing, 0.03), format!("1.0 rad; 1 of 2 comparisons fails {corrected}"));
     assert_eq!(brief(vec![pass.clone(), open], 0.03), "1.0 rad; of 2 comparisons 1 pass, 0 fail");
     assert_eq!(brief(vec![pass], 0.03), format!("1.0 rad (n = 3 runs); passes {corrected}"));
 }
