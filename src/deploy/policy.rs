@@ -32,8 +32,6 @@ pub struct Policy {
 pub enum Trust {
     /// Its own digest, over its whole content.
     Digest,
-    /// The manifest of its store folder; if the file has a digest, that must match as well.
-    Store,
     /// The user.
     User,
 }
@@ -64,8 +62,8 @@ pub enum PolicyError {
     #[error("the file is damaged: its content does not match its digest")]
     Digest,
     /// Nothing in the file shows whether it was changed after the export (R0008).
-    #[error("{0}, so it is unknown whether it was changed after the export")]
-    Unsealed(&'static str),
+    #[error("it has no digest, so it is unknown whether it was changed after the export")]
+    Unsealed,
     /// A number of its contract or environment is not finite (R0007).
     #[error("the policy cannot be written: {0}")]
     Number(#[from] NotFinite),
@@ -90,7 +88,7 @@ impl PolicyError {
             Self::Shape { .. } => "E0502",
             Self::NotFinite => "R0001",
             Self::Digest => "R0003",
-            Self::Unsealed(_) => "R0008",
+            Self::Unsealed => "R0008",
             Self::Number(_) => "R0007",
             Self::Format(_)
             | Self::Contract(_)
@@ -113,7 +111,7 @@ impl PolicyError {
                 "copy or check it out again, or export it with `specforge run SPEC`; `evaluate --trust` \
                  runs it as it is"
             }
-            Self::Unsealed(_) => {
+            Self::Unsealed => {
                 "export it again with `specforge run SPEC`; `evaluate --trust` runs it nevertheless"
             }
             Self::Number(_) => "see `specforge explain R0007`",
@@ -174,18 +172,10 @@ impl Policy {
             (text("actor.activation")?, text("contract")?, text("blueprint")?);
         check_version(contract)?;
         let texts = [("actor.activation", activation), ("blueprint", blueprint), ("contract", contract)];
-        if trust != Trust::User {
-            let known = header.get("digest").map(String::as_str);
-            let first = || first_digest(&tensors, &samples, [contract, blueprint]);
-            match Seal::of(known, &file::digest(&tensors, &samples, &texts), first) {
-                Seal::Whole => {}
-                Seal::Partial if trust == Trust::Store || (activation == "relu" && is_known(known)) => {}
-                Seal::Missing if trust == Trust::Store => {}
-                Seal::Partial => {
-                    return Err(PolicyError::Unsealed("its digest does not cover its activation"));
-                }
-                Seal::Missing => return Err(PolicyError::Unsealed("it has no digest")),
-                Seal::Broken => return Err(PolicyError::Digest),
+        if trust == Trust::Digest {
+            let known = header.get("digest").ok_or(PolicyError::Unsealed)?;
+            if *known != file::digest(&tensors, &samples, &texts) {
+                return Err(PolicyError::Digest);
             }
         }
         let activation = Activation::named(activation)
@@ -235,42 +225,6 @@ impl Policy {
     }
 }
 
-/// Result of checking a file's digest.
-enum Seal {
-    /// It matches and covers everything.
-    Whole,
-    /// It matches, and is of a version whose digest did not cover the activation.
-    Partial,
-    /// The file has none, as the first exports.
-    Missing,
-    /// It does not match.
-    Broken,
-}
-
-impl Seal {
-    fn of(known: Option<&str>, whole: &str, first: impl FnOnce() -> String) -> Self {
-        match known {
-            None => Self::Missing,
-            Some(known) if known == whole => Self::Whole,
-            Some(known) if known == first() => Self::Partial,
-            Some(_) => Self::Broken,
-        }
-    }
-}
-
-/// Digests of the committed policies from before the digest covered the activation, which is `relu` in all of
-/// them.
-const KNOWN: [&str; 4] = [
-    "6e1291d62109dfbaec763f0d59ceb634484e19ecccf9aec8d4f14697a2d9e1fe",
-    "6000d8a1b554459d36f913b9ad557bc25b5c85145861b62d9b07b7a2383349c9",
-    "e2777cb237b84d388b0b97932a799920b79eeded204a0966e784c853b4d33b83",
-    "98519a939492ff854d4de20b5793bac2da81e63cfd116a67e778cb24196c3ab3",
-];
-
-fn is_known(digest: Option<&str>) -> bool {
-    digest.is_some_and(|digest| KNOWN.contains(&digest))
-}
-
 /// Refuses a contract with another layout before reading anything else of it.
 fn check_version(contract: &str) -> Result<(), PolicyError> {
     let value: serde_json::Value =
@@ -294,22 +248,6 @@ fn read_blueprint(text: &str, samples: &Doubles) -> Result<Blueprint, PolicyErro
         motion.samples = frames::samples(samples, joints).map_err(PolicyError::Format)?;
     }
     Ok(Blueprint::new(blueprint.fields, blueprint.robot, blueprint.motion)?)
-}
-
-/// The digest of files from before it covered the shapes and the activation.
-fn first_digest(tensors: &Tensors, samples: &Doubles, texts: [&str; 2]) -> String {
-    let mut hasher = blake3::Hasher::new();
-    let mut part = |name: &str, bytes: &[u8]| {
-        hasher.update(name.as_bytes()).update(&(bytes.len() as u64).to_le_bytes()).update(bytes);
-    };
-    for (name, (_, data)) in tensors {
-        part(name, &data.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>());
-    }
-    for (name, (_, data)) in samples {
-        part(name, &data.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>());
-    }
-    texts.iter().for_each(|text| part("", text.as_bytes()));
-    hasher.finalize().to_hex().to_string()
 }
 
 #[cfg(test)]
@@ -340,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn policies_whose_digest_covers_less_are_still_read() {
+    fn the_committed_policies_are_read() {
         let committed = committed();
         assert!(committed.len() > 10, "{}", committed.len());
         committed.iter().for_each(|bytes| drop(Policy::from_bytes(bytes).unwrap()));
@@ -364,28 +302,14 @@ mod tests {
             };
             let bare = resealed(&bytes, |header| drop(header.remove("digest")));
             refused(&bare, "R0008");
-            assert!(Policy::trusted(&bare, Trust::Store).is_ok(), "the store's manifest vouches for it");
             let other = resealed(&bytes, |header| drop(header.insert("digest".into(), "0".repeat(64))));
             refused(&other, "R0003");
-            assert_eq!(Policy::trusted(&other, Trust::Store).unwrap_err().code(), "R0003");
             let empty = resealed(&bytes, |header| drop(header.insert("digest".into(), String::new())));
             refused(&empty, "R0003");
-            // Of the first digests, only the known ones cover the activation.
             let tanh =
                 resealed(&bytes, |header| drop(header.insert("actor.activation".into(), "tanh".into())));
-            let code = Policy::from_bytes(&tanh).unwrap_err().code();
-            assert!(["R0003", "R0008"].contains(&code), "{code}");
+            refused(&tanh, "R0003");
         }
-    }
-
-    #[test]
-    fn a_first_digest_that_is_not_known_needs_trust() {
-        let bytes = &committed()[0];
-        let (tensors, samples, header) = file::read_with(bytes).unwrap();
-        let first = first_digest(&tensors, &samples, [&header["contract"], &header["blueprint"]]);
-        let old = resealed(bytes, |header| drop(header.insert("digest".into(), first.clone())));
-        assert_eq!(Policy::from_bytes(&old).unwrap_err().code(), "R0008");
-        assert!(Policy::trusted(&old, Trust::Store).is_ok() && Policy::trusted(&old, Trust::User).is_ok());
     }
 
     #[test]

@@ -72,7 +72,7 @@ pub struct Transfer;
 impl Work for Transfer {
     fn run(&self, job: &Job) -> Result<(), WorkError> {
         let transfer = Protocol::new(section(job, Deployment::SECTION)?);
-        let policy = read_policy(&job.input("policy", policy::FILE)?, Trust::Store)?;
+        let policy = read_policy(&job.input("policy", policy::FILE)?, Trust::Digest)?;
         let robot = blueprint(job)?.robot;
         policy.check_robot(&robot).map_err(unusable)?;
         let ledger = Ledger::open(job, transfer.protocol.conditions.len())?;
