@@ -79,7 +79,10 @@ pub fn table(plan: &Plan) -> String {
     };
     let mut text: String = rows.iter().map(line).collect();
     if planned.iter().any(|planned| planned.unit == "run" && planned.detects.is_none()) {
-        text += &one_line("no `detects` or power: write the claim's expected `spread` and `effect`");
+        text += &one_line(
+            "no `detects` or power: write the claim's expected `spread` and `effect`; it is computed for single \
+             comparisons, `each` and `mean`",
+        );
     }
     text
 }

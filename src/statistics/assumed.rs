@@ -20,7 +20,10 @@ pub struct Assumed<'a> {
 impl<'a> Assumed<'a> {
     /// What a claim states.
     pub fn of(claim: &'a Claim, test: &StatisticKind) -> Self {
-        let is_of_means = test.unit() == Unit::Seed && !matches!(claim.over, Some(Over::Trend(_)));
+        // What passes a claim about some, no or a number of comparisons is not one test, and its power is not
+        // computed; nor is that of a trend.
+        let is_of_means =
+            test.unit() == Unit::Seed && matches!(claim.over, None | Some(Over::Each | Over::Mean));
         let factors = [1.0, claim.expect.factor];
         let of_sides =
             |spread: f64| factors.map(|factor| factor * spread)[..claim.sides.len().min(2)].to_vec();
@@ -79,7 +82,8 @@ impl<'a> Assumed<'a> {
                 let weight = 1.0 / cases.len() as f64;
                 power(&cases.iter().flat_map(|case| arms(case, weight)).collect::<Vec<_>>())
             }
-            _ => power(&first),
+            // Claims of other quantifiers state no spread here.
+            Some(_) => None,
         }
     }
 

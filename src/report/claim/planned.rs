@@ -355,6 +355,12 @@ mod tests {
         };
         let one = plan(&["hard"], Over::Each, 17);
         let [each, mean] = [Over::Each, Over::Mean].map(|over| plan(&["hard", "soft"], over, 17));
+        for over in
+            [Over::Some("ground".into()), Over::None("ground".into()), Over::AtLeast(1), Over::AtMost(1)]
+        {
+            let other = plan(&["hard", "soft"], over, 17);
+            assert_eq!((other.power, other.detects, other.seeds_needed), (None, None, None), "not computed");
+        }
         // Both comparisons must pass; the mean of two has half the variance.
         assert!(each.power.zip(one.power).is_some_and(|(each, one)| (each - one * one).abs() < 1e-9));
         assert!(each.detects > one.detects && one.detects > mean.detects, "{each:?} {one:?} {mean:?}");
