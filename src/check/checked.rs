@@ -74,7 +74,7 @@ impl Checker {
         let (named, reach) = (&experiment.baselines, &experiment.reach);
         let naming = Naming { files, by: path, named, reach, options };
         let mut in_baselines = Sink::default();
-        // Both are needed by all profiles, and are read while no other work can be done.
+        // The checks under all profiles wait for both, so they are read at the same time.
         let (mut robot, baselines) = rayon::join(
             || {
                 let file = experiment.robot.as_ref()?;

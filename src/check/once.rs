@@ -12,14 +12,10 @@ pub struct Once<K, V> {
     made: Arc<Mutex<BTreeMap<K, Arc<OnceLock<V>>>>>,
 }
 
-/// At most so many other pieces of work are begun inside of one another while values are made elsewhere. Each
-/// takes room on the stack, and no other thread can finish it.
-const DEEPEST: usize = 1;
-
 thread_local! {
-    /// How many pieces of work this thread has begun while it waits, or [`DEEPEST`] while it makes a value: other
-    /// work could ask for that value.
-    static DEPTH: Cell<usize> = const { Cell::new(0) };
+    /// Whether this thread may not begin other work while it waits: it makes a value, for which that work could
+    /// ask, or it has begun some already, which no other thread can finish and which takes room on the stack.
+    static IS_BUSY: Cell<bool> = const { Cell::new(false) };
 }
 
 impl<K: Ord, V: Clone> Once<K, V> {
@@ -35,24 +31,19 @@ impl<K: Ord, V: Clone> Once<K, V> {
         if !is_first {
             work_until(|| value.get().is_some());
         }
-        value.get_or_init(|| at_depth(DEEPEST, make)).clone()
+        value.get_or_init(|| busy(make)).clone()
     }
 }
 
-/// Does other work of the thread pool until the condition holds or there is none.
+/// Does other work of the thread pool until the condition holds or no work is left.
 fn work_until(holds: impl Fn() -> bool) {
-    while !holds() {
-        let depth = DEPTH.get();
-        if depth >= DEEPEST || at_depth(depth + 1, rayon::yield_now) != Some(rayon::Yield::Executed) {
-            return;
-        }
-    }
+    while !holds() && !IS_BUSY.get() && busy(rayon::yield_now) == Some(rayon::Yield::Executed) {}
 }
 
-fn at_depth<T>(depth: usize, work: impl FnOnce() -> T) -> T {
-    let before = DEPTH.replace(depth);
+fn busy<T>(work: impl FnOnce() -> T) -> T {
+    let before = IS_BUSY.replace(true);
     let done = work();
-    DEPTH.set(before);
+    IS_BUSY.set(before);
     done
 }
 
@@ -108,6 +99,6 @@ mod tests {
         assert!(sums.iter().enumerate().all(|(task, sum)| *sum == (task % 3) * (task % 3)));
         assert_eq!(calls.load(Ordering::SeqCst), 3);
         let most = most.load(Ordering::SeqCst);
-        assert!(most > 2 && most <= 2 * (DEEPEST + 1), "{most} at once in two threads");
+        assert!(most > 2 && most <= 4, "{most} at once in two threads");
     }
 }

@@ -80,8 +80,8 @@ pub fn table(plan: &Plan) -> String {
     let mut text: String = rows.iter().map(line).collect();
     if planned.iter().any(|planned| planned.unit == "run" && planned.detects.is_none()) {
         text += &one_line(
-            "no `detects` or power: write the claim's expected `spread` and `effect`; it is computed for single \
-             comparisons, `each` and `mean`",
+            "no `detects` or power: write the claim's expected `spread` and `effect`; trends and claims over \
+             some, none or a number of comparisons have neither",
         );
     }
     text

@@ -20,10 +20,7 @@ pub struct Assumed<'a> {
 impl<'a> Assumed<'a> {
     /// What a claim states.
     pub fn of(claim: &'a Claim, test: &StatisticKind) -> Self {
-        // What passes a claim about some, no or a number of comparisons is not one test, and its power is not
-        // computed; nor is that of a trend.
-        let is_of_means =
-            test.unit() == Unit::Seed && matches!(claim.over, None | Some(Over::Each | Over::Mean));
+        let is_of_means = test.unit() == Unit::Seed;
         let factors = [1.0, claim.expect.factor];
         let of_sides =
             |spread: f64| factors.map(|factor| factor * spread)[..claim.sides.len().min(2)].to_vec();
@@ -68,9 +65,10 @@ impl<'a> Assumed<'a> {
             // Both ends of a range must be exceeded.
             Some(if is_range { (2.0 * power - 1.0).max(0.0) } else { power })
         };
-        let first = arms(cases.first()?, 1.0);
         match self.claim.over {
+            _ if cases.is_empty() => None,
             None | Some(Over::Each) => {
+                let first = arms(&cases[0], 1.0);
                 let of_first = power(&first)?;
                 let of_case = |case: &Case| match arms(case, 1.0) {
                     alike if alike == first => Some(of_first),
@@ -82,7 +80,7 @@ impl<'a> Assumed<'a> {
                 let weight = 1.0 / cases.len() as f64;
                 power(&cases.iter().flat_map(|case| arms(case, weight)).collect::<Vec<_>>())
             }
-            // Claims of other quantifiers state no spread here.
+            // A trend, or several tests of which some must pass or fail: not computed.
             Some(_) => None,
         }
     }
