@@ -9,7 +9,7 @@ SPEC    ?= specs/atlas_run_torque.toml
 PROFILE ?= quick
 # Features beside the default ones: `make build FEATURES=torch` adds the learner's backend on libtorch.
 FEATURES ?=
-BINARY  := target/release/specforge
+BINARY  := $(or $(CARGO_TARGET_DIR),target)/release/specforge
 # Builds the documentation; cargo checks every dependency against the hashes in its lock file.
 MDBOOK  := target/tools/bin/mdbook
 MDBOOK_VERSION := 0.4.52

@@ -44,6 +44,16 @@ pub fn limited<T>(bytes: usize, exceeded: &AtomicBool, run: impl FnOnce() -> T) 
     run()
 }
 
+/// Whether [`Limited`] is the program's allocator, so that [`limited`] has an effect.
+pub fn is_limiting() -> bool {
+    const ENOUGH: usize = 1 << 20;
+    let before = BUDGET.replace(Some(Budget { left: ENOUGH, exceeded: std::ptr::null() }));
+    let probe = std::hint::black_box(Box::new(0_u64));
+    let after = BUDGET.replace(before);
+    drop(probe);
+    after.is_some_and(|after| after.left < ENOUGH)
+}
+
 /// Takes bytes from the budget of this thread and stops the thread if too few are left.
 fn take(bytes: usize) {
     // A thread that is ending has no limit any more.

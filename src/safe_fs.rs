@@ -162,10 +162,21 @@ fn put(target: &Path, bytes: &[u8], permissions: Option<Permissions>) -> io::Res
 fn draft(folder: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(DRAFT[0]).suffix(DRAFT[1]).permissions(Permissions::from_mode(NEW_FILE));
-    let mut file = builder.tempfile_in(folder)?;
+    let mut file = builder.tempfile_in(folder).map_err(nameless)?;
     file.as_file_mut().write_all(bytes)?;
     file.as_file().sync_all()?;
     Ok(file)
+}
+
+/// The same error without the name of the temporary file, which the user did not choose.
+fn nameless(error: io::Error) -> io::Error {
+    if error.raw_os_error().is_some() { error } else { error.kind().into() }
+}
+
+/// Whether files can be written into a folder or, if it does not exist, into the nearest one above it.
+pub fn is_writable(folder: &Path) -> io::Result<()> {
+    let above = folder.ancestors().find(|above| above.exists()).unwrap_or(Path::new("."));
+    tempfile::Builder::new().prefix(DRAFT[0]).suffix(DRAFT[1]).tempfile_in(above).map_err(nameless).map(drop)
 }
 
 /// Prefix and suffix of the names of temporary files.

@@ -203,3 +203,84 @@ fn a_missing_template_is_found_before_anything_is_trained() {
     let set = ["run", SPEC, "--set", "report.template=\"rnu.md.j2\""];
     specforge(store.path()).args(set).assert().code(3).stderr(contains("E0901"));
 }
+
+/// A project with a spec `plain.toml`.
+fn project() -> tempfile::TempDir {
+    let place = folder();
+    for name in ["robots", "specs", "templates"] {
+        fs::create_dir(place.path().join(name)).expect("a folder");
+    }
+    let plain = ["new", "specs/plain.toml", "--robot", "atlas", "--task", "run", "--action", "torque"];
+    specforge(&place.path().join("store")).current_dir(place.path()).args(plain).assert().code(0);
+    place
+}
+
+/// Writes a spec that extends `plain.toml`.
+fn child(project: &Path, name: &str, body: &str) {
+    let text = format!("spec = 1\nextends = \"plain.toml\"\n{body}\n");
+    fs::write(project.join("specs").join(name), text).expect("the folder can be written");
+}
+
+#[test]
+fn templates_of_several_specs_do_not_share_the_limit_of_memory() {
+    let place = project();
+    // Each takes 60 MiB, all at once more than one may.
+    let template = "{% set s = 'x' * 15000000 %}{% set t = s ~ s ~ s %}{{ t|length }}";
+    for number in 0..10 {
+        let file = place.path().join(format!("templates/own_{number}.j2"));
+        fs::write(file, template).expect("the folder can be written");
+        let body = format!("[report]\ntemplate = \"own_{number}.j2\"");
+        child(place.path(), &format!("own_{number}.toml"), &body);
+    }
+    let mut check = specforge(&place.path().join("store"));
+    check.current_dir(place.path()).args(["check", "specs"]).env("RAYON_NUM_THREADS", "10");
+    check.assert().code(0).stderr(contains("11 specs: no errors, no warnings"));
+}
+
+#[test]
+fn a_compared_spec_that_lacks_a_profile_is_named_where_it_is_listed() {
+    let place = project();
+    child(place.path(), "other.toml", "name = \"other\"");
+    let profiles: String = (0..7).map(|number| format!("[profile.mine_{number}]\n")).collect();
+    child(place.path(), "spec.toml", &format!("[report]\ncompare = [\"other.toml\"]\n{profiles}"));
+    let check = |arguments: &[&str]| {
+        let mut command = specforge(&place.path().join("store"));
+        let found = command.current_dir(place.path()).args(arguments).assert().code(3);
+        String::from_utf8_lossy(&found.get_output().stderr).into_owned()
+    };
+    let text = check(&["check", "specs/spec.toml"]);
+    assert_eq!(text.matches("error[E0706]").count(), 1, "{text}");
+    let named = "lacks the profiles `mine_0`, `mine_1`, `mine_2`, `mine_3` and `mine_4` and 2 more";
+    assert!(text.contains(named) && text.contains("--> specs/spec.toml:4:12"), "{text}");
+    let text = check(&["run", "specs/spec.toml", "--profile", "mine_0"]);
+    assert!(text.contains("has no profile `mine_0`") && text.contains("--> specs/spec.toml:4:12"), "{text}");
+}
+
+#[test]
+fn a_missing_baseline_does_not_hide_the_mistakes_of_compared_specs() {
+    let place = project();
+    child(place.path(), "other.toml", "name = \"other\"\n[action]\nrate = \"33 Hz\"");
+    let body = "[report]\nbaseline = \"nothing.toml\"\ncompare = [\"other.toml\", \"other.toml\"]";
+    child(place.path(), "spec.toml", body);
+    let mut check = specforge(&place.path().join("store"));
+    check.current_dir(place.path()).args(["check", "specs/spec.toml"]);
+    let codes = ["E0004", "E0816", "E0501"].map(|code| contains(format!("error[{code}]")));
+    let [missing, twice, compared] = codes;
+    check.assert().code(3).stderr(missing.and(twice).and(compared));
+}
+
+#[test]
+fn a_folder_of_reports_that_cannot_be_written_is_found_before_anything_runs() {
+    let place = project();
+    let mut run = specforge(&place.path().join("store"));
+    run.current_dir(place.path()).args([
+        "run",
+        "specs/plain.toml",
+        "--profile",
+        "quick",
+        "--reports",
+        "/proc/x",
+    ]);
+    run.assert().code(2).stderr(contains("reports cannot be written into /proc/x"));
+    assert!(!place.path().join("store").exists());
+}

@@ -196,7 +196,8 @@ pub fn unrunnable(experiment: &Experiment, sources: &Sources) -> Option<Diagnost
 fn find_compared(experiment: &Experiment, files: &dyn Files, sink: &mut Sink) {
     let missing = |path: &Path| {
         let error = Diagnostic::error("E0004", format!("file not found: `{}`", crate::escape::file(path)));
-        syntax::file::elsewhere(files, path).into_iter().fold(error, Diagnostic::help)
+        let advice = syntax::file::elsewhere(files, path);
+        error.help(advice.unwrap_or("name a spec by its path relative to this file".into()))
     };
     let own = files.identity(&experiment.path);
     for (index, path) in experiment.compare.iter().enumerate() {
@@ -206,6 +207,17 @@ fn find_compared(experiment: &Experiment, files: &dyn Files, sink: &mut Sink) {
         if let Some(mark) = mark.filter(|_| is_own && files.identity(path) == own) {
             let message = format!("`{}` compares itself with itself", experiment.name);
             let error = Diagnostic::error("E0816", message).at(mark.value, "this very file");
+            sink.emit(error.help("name another spec, or remove the entry"));
+            continue;
+        }
+        let before = experiment.compare[..index]
+            .iter()
+            .position(|other| files.identity(other) == files.identity(path));
+        if let (Some(mark), Some(before)) = (mark, before) {
+            let message = format!("`{}` is compared with twice", crate::escape::file(path));
+            let error = Diagnostic::error("E0816", message).at(mark.value, "again");
+            let first = experiment.marks.nearest(&Report::compared(before));
+            let error = first.into_iter().fold(error, |error, first| error.note(first.value, "first here"));
             sink.emit(error.help("name another spec, or remove the entry"));
             continue;
         }

@@ -82,6 +82,10 @@ pub fn evaluation_in(subject: &Subject, path: &str, engines: &[EngineName], sink
     for engine in engines {
         contact_time::contact_is_slower_than_steps(subject, path, *engine, false, sink);
     }
+    // A rate that is too low is to be raised to a suitable one.
+    if !sink.diagnostics.iter().any(|found| found.code == "E0521") {
+        rates::rates_divide_that_of_an_evaluation(subject, path, sink);
+    }
     // A ground is reported once.
     engines.iter().find_map(|engine| cells::cells_are_small(subject, path, *engine, sink));
 }

@@ -26,6 +26,12 @@ pub fn rates_divide_the_physics_rate(subject: &Subject, sink: &mut Sink) {
     divides(subject, &policy, &servo, sink);
 }
 
+/// The policy's rate and the servo's divide the physics rate of the evaluation at this path.
+pub fn rates_divide_that_of_an_evaluation(subject: &Subject, evaluation: &str, sink: &mut Sink) {
+    let of_evaluation = Setting::rate.below(evaluation);
+    let _ = acting().iter().all(|path| divides(subject, path, &of_evaluation, sink));
+}
+
 /// The paths of the policy's and the servo's rate.
 fn acting() -> [String; 2] {
     [Position::rate, Position::servo_rate].map(Key::path)

@@ -131,7 +131,7 @@ Examples:
 
 Exit codes: 0 written, 2 the file exists, a name is unknown or --suite names no spec that can be varied, 3 \
 the robot, the
-spec of --suite or what was written has errors.";
+spec of --suite or what was written has errors, 4 the file cannot be written.";
 
 /// `schema`
 pub const SCHEMA: &str = "\

@@ -8,6 +8,7 @@ use super::{Exit, Global, faults, output};
 use crate::exec::Store;
 use crate::study::page_name::{self, Settled};
 use crate::study::{Study, saved};
+use crate::{escape, safe_fs};
 
 /// What a plan is made from.
 #[derive(Clone, Debug, clap::Args)]
@@ -42,16 +43,21 @@ pub fn named(source: &Source, reports: Option<&Path>, global: &Global) -> Result
     Ok((settled(study, &folder, global)?, folder))
 }
 
-/// The folder for the report: the one named by the user, or its own below the project's `reports`. If it is
-/// not a folder, reports that before any work starts; `Err` is the exit code.
+/// The folder for the report: the one named by the user, or its own below the project's `reports`. If it
+/// cannot be written, reports that before any work starts; `Err` is the exit code.
 fn folder(chosen: Option<&Path>, study: &Study, global: &Global) -> Result<PathBuf, Exit> {
     let folder = chosen.map_or_else(|| study.reports(), Path::to_owned);
-    if folder.exists() && !folder.is_dir() {
-        let message = format!("reports cannot be written into {}, which is a file", folder.display());
-        output::complain(global, &message, Some("name a folder: `--reports DIR`"));
-        return Err(Exit::Usage);
-    }
-    Ok(folder)
+    let reason = if folder.exists() && !folder.is_dir() {
+        "it is a file".to_owned()
+    } else {
+        match safe_fs::is_writable(&folder) {
+            Ok(()) => return Ok(folder),
+            Err(error) => error.to_string(),
+        }
+    };
+    let message = format!("reports cannot be written into {}: {reason}", escape::file(&folder));
+    output::complain(global, &message, Some("name a folder that can be written with `--reports DIR`"));
+    Err(Exit::Usage)
 }
 
 /// Settles the report's name, which depends on what the folder contains. Reports errors; `Err` is the exit

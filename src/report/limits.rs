@@ -114,7 +114,12 @@ pub fn render(environment: Environment<'static>, name: &str, variables: Value) -
         }));
     };
     keep_quiet();
-    let (start, before) = (Instant::now(), resident_memory());
+    // Without the program's allocator (as in the tests of this library) only the memory of the whole process
+    // is known, which other templates use, too.
+    let before = (!allocation::is_limiting()).then(resident_memory);
+    let is_large =
+        || before.is_some_and(|before| resident_memory().saturating_sub(before) > MOST_MEMORY as u64);
+    let start = Instant::now();
     let thread = std::thread::Builder::new().name(THREAD.into()).stack_size(STACK);
     thread.spawn(run).map_err(|error| exceeded(error.to_string()))?;
     loop {
@@ -127,11 +132,7 @@ pub fn render(environment: Environment<'static>, name: &str, variables: Value) -
             Err(RecvTimeoutError::Timeout) if start.elapsed() > LONGEST => {
                 format!("rendering takes more than {} s", LONGEST.as_secs())
             }
-            // Without the program's allocator only the memory of the whole process is known.
-            Err(RecvTimeoutError::Timeout)
-                if is_full.load(Ordering::SeqCst)
-                    || resident_memory().saturating_sub(before) > MOST_MEMORY as u64 =>
-            {
+            Err(RecvTimeoutError::Timeout) if is_full.load(Ordering::SeqCst) || is_large() => {
                 format!("rendering takes more than {} MiB of memory", MOST_MEMORY >> 20)
             }
             Err(RecvTimeoutError::Timeout) => continue,
@@ -166,7 +167,8 @@ pub fn in_words(error: &Error) -> Option<String> {
         ErrorKind::OutOfFuel => {
             Some(format!("the template takes more than {} million steps", MOST_STEPS / 1_000_000))
         }
-        ErrorKind::WriteFailure if error.detail().is_none() => {
+        // The only I/O error of the engine is that of `Page`.
+        ErrorKind::WriteFailure if std::error::Error::source(error).is_some() => {
             Some(format!("the template writes more than {} MiB", MOST_OUTPUT >> 20))
         }
         _ if error.detail().is_some_and(|detail| detail.contains("recursion limit")) => {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::bounded::{self, ReadError};
 use crate::diag::Diagnostic;
+use crate::safe_fs;
 
 /// The embedded templates.
 static EMBEDDED: [(&str, &str); 2] = [
@@ -36,8 +37,7 @@ impl Templates {
     /// The template with this name; `None` if missing. E0906 for an unreadable user-defined one: falling back
     /// to the embedded one would be wrong.
     pub fn get(&self, name: &str) -> Result<Option<Template>, Box<Diagnostic>> {
-        let plain = Path::new(name).components().all(|part| matches!(part, std::path::Component::Normal(_)));
-        if let Some(folder) = self.folder.as_ref().filter(|_| plain) {
+        if let Some(folder) = self.folder.as_ref().filter(|_| safe_fs::is_plain(name)) {
             let path = folder.join(name);
             if leads_out(folder, &path) {
                 return Ok(None);
@@ -99,7 +99,11 @@ impl Templates {
         if self.folder.as_ref().is_some_and(|folder| leads_out(folder, &folder.join(name))) {
             let error =
                 Diagnostic::error("E0110", format!("the template `{name}` is outside of the project"));
-            return error.help("a link leads out of `templates/`: copy the file in its place");
+            let is_plain = safe_fs::is_plain(name);
+            return error.help(match is_plain {
+                true => "a link leads out of `templates/`: copy the file in its place",
+                false => "copy the file into `templates/` and name it by its path there",
+            });
         }
         let names = self.names();
         let nearest = names.iter().max_by(|a, b| strsim::jaro(a, name).total_cmp(&strsim::jaro(b, name)));

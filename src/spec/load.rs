@@ -241,7 +241,8 @@ impl<'a> Loading<'a> {
     fn overlay_profile(&mut self, merged: &mut Merged) {
         let Some(name) = &self.options.profile else { return };
         let chain = merged.profiles.chain(name);
-        if chain.is_empty() {
+        // A parent that could not be read may have it.
+        if chain.is_empty() && !merged.family.incomplete {
             let names = || merged.names.iter().map(String::as_str);
             let error = Diagnostic::error("E0706", format!("unknown profile `{name}`"));
             self.sink.emit(match nearest(name, names()) {

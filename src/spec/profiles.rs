@@ -1,16 +1,20 @@
 //! The profiles of a spec: overlays chosen on the command line, which may extend one another.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use super::section::Header;
 use super::suggest::{listed, nearest};
 use crate::diag::{Diagnostic, Sink, Span};
+use crate::escape;
 use crate::syntax::{Entry, Item, Layer, Map, Node};
 
 /// Maximum number of profiles of a spec.
 const MOST: usize = 2000;
 /// Maximum length of a chain of profiles that extend one another.
 const MOST_GENERATIONS: usize = 8;
+/// Maximum length of a profile's name in bytes.
+const LONGEST_PROFILE: usize = 64;
 /// The key with the name of the profile that a profile extends.
 const EXTENDS: &str = "extends";
 
@@ -43,6 +47,10 @@ impl Profiles {
         let mut profiles = Self::default();
         let mut written = Vec::new();
         for (name, mut entry) in entries {
+            if let Some(error) = misnamed(&name, &entry) {
+                sink.emit(error);
+                continue;
+            }
             entry.node.stamp(Layer::Profile);
             let described = entry.node.describe();
             let Item::Table(mut map) = entry.node.item else {
@@ -119,6 +127,24 @@ impl Profiles {
         let distance = |child: &str| self.extended(child).position(|below| below == name).map(|at| at + 1);
         self.extends.keys().filter_map(|child| distance(child)).max().unwrap_or(0)
     }
+}
+
+/// E0107 for a profile whose name cannot be part of a file name.
+fn misnamed(name: &str, entry: &Entry) -> Option<Diagnostic> {
+    let is_allowed = |letter: char| letter.is_alphanumeric() || matches!(letter, '_' | '-' | '.');
+    let is_plain = name.chars().all(is_allowed) && !name.starts_with('.') && !name.is_empty();
+    if is_plain && name.len() <= LONGEST_PROFILE {
+        return None;
+    }
+    if is_plain {
+        let message = format!("the name of this profile is too long: {} bytes", name.len());
+        let error =
+            Diagnostic::error("E0107", message).at(entry.key, format!("at most {LONGEST_PROFILE} bytes"));
+        return Some(error.help("shorten it: it becomes part of file names"));
+    }
+    let error =
+        Diagnostic::error("E0107", format!("invalid name of a profile: `{}`", escape::file(Path::new(name))));
+    Some(error.at(entry.key, "invalid name").help("use letters, digits, `_`, `-` and `.`"))
 }
 
 /// Whether a table has a value at a place.

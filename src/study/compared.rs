@@ -10,10 +10,11 @@ use crate::diag::{Diagnostic, Severity, Sources, Span};
 use crate::escape;
 use crate::plan::{PlanError, lower, same_results};
 use crate::spec::section::Report;
+use crate::spec::suggest::listed;
 use crate::spec::{Experiment, LoadOptions};
 use crate::syntax::Files;
 
-/// What is wrong with the comparisons of a valid spec. Warnings about the other specs are reported when those
+/// What is wrong with the comparisons of a spec, which may itself have errors. Warnings about the other specs are reported when those
 /// are checked themselves.
 pub fn findings(
     spec: &Checked,
@@ -22,13 +23,16 @@ pub fn findings(
     files: &dyn Files,
     checker: &mut Checker,
 ) -> Vec<Findings> {
-    let Some((experiment, _)) = spec.sound().filter(|(experiment, _)| !experiment.is_abstract) else {
+    let lacks_profile = spec.sink.diagnostics.iter().any(is_unknown_profile);
+    let Some(experiment) = spec.experiment.as_ref().filter(|own| !own.is_abstract && !lacks_profile) else {
         return Vec::new();
     };
     let (mut found, mut others, mut seen) = (Vec::new(), Vec::new(), vec![files.identity(file)]);
     for (entry, path) in experiment.compare.iter().enumerate() {
         let identity = files.identity(path);
-        if seen.contains(&identity) {
+        // The check of the spec itself reports entries that cannot be read.
+        if seen.contains(&identity) || !files.is_file(path) || experiment.reach.refusal(files, path).is_some()
+        {
             continue;
         }
         seen.push(identity);
@@ -38,7 +42,11 @@ pub fn findings(
         }
         let options = checker.applicable(files, path, options);
         let other = checker.check(files, path, &options);
-        if other.sink.has_errors() {
+        if other.sink.diagnostics.iter().any(is_unknown_profile) {
+            let lacking = lacking_profiles(experiment, &other);
+            let error = at_entry(without_profiles(path, &lacking), spec, entry);
+            found.push(Findings::of(spec.sources.clone(), vec![error]).in_file(file));
+        } else if other.sink.has_errors() {
             let told = format!("`{}` compares itself with {}", experiment.name, path.display());
             found.push(errors(other, &told).in_file(path));
         } else if let Some(error) = no_parent(&other, spec, entry) {
@@ -52,6 +60,34 @@ pub fn findings(
     }
     found.extend(namesakes(spec, &others));
     found
+}
+
+/// Whether the chosen profile is unknown; an unknown name in a spec has a place.
+pub fn is_unknown_profile(found: &Diagnostic) -> bool {
+    found.code == "E0706" && found.labels.is_empty()
+}
+
+/// The profiles of a spec that a compared one lacks.
+fn lacking_profiles(own: &Experiment, other: &Checked) -> Vec<String> {
+    let known = other.experiment.as_ref().map(|other| other.profiles.clone()).unwrap_or_default();
+    own.profiles.iter().filter(|name| !known.contains(name)).cloned().collect()
+}
+
+/// E0706 for an entry of `report.compare` that lacks profiles of the spec.
+pub fn without_profiles(other: &Path, lacking: &[String]) -> Diagnostic {
+    /// Most profiles named in the message.
+    const NAMED: usize = 5;
+    let other = escape::file(other);
+    let named = listed(lacking.iter().take(NAMED).map(String::as_str));
+    let more = lacking.len().saturating_sub(NAMED);
+    let message = match (lacking.len(), more) {
+        (1, _) => format!("the compared spec `{other}` has no profile {named}"),
+        (_, 0) => format!("the compared spec `{other}` lacks the profiles {named}"),
+        _ => format!("the compared spec `{other}` lacks the profiles {named} and {more} more"),
+    };
+    Diagnostic::error("E0706", message).help(
+        "add the profile to that spec, or compare with none: `compare = []` below `[report]` of this spec",
+    )
 }
 
 /// E0816 for an entry with exactly the spec's own results, by the fingerprints of the stages. Specs with the

@@ -140,7 +140,17 @@ fn comparable(
     }
     let known = log.findings.len();
     let checked = checked(file, options, log).inspect_err(|_| {
-        let Some(experiment) = by.and_then(|(by, _)| by.experiment.as_ref()) else { return };
+        let Some((by, entry)) = by else { return };
+        let lacks = log.findings[known..]
+            .iter()
+            .any(|found| found.diagnostics.iter().any(compared::is_unknown_profile));
+        if let Some(profile) = options.profile.clone().filter(|_| lacks) {
+            let error = compared::at_entry(compared::without_profiles(file, &[profile]), by, entry);
+            log.findings.truncate(known);
+            log.findings.push(Findings::of(by.sources.clone(), vec![error]).in_file(file));
+            return;
+        }
+        let Some(experiment) = by.experiment.as_ref() else { return };
         let chosen = options.profile.as_ref().map(|profile| format!(" with `--profile {profile}`"));
         let chosen = chosen.unwrap_or_default();
         let told = format!("`{}` compares itself with {}{chosen}", experiment.name, file.display());

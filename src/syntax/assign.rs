@@ -82,7 +82,8 @@ fn value(text: &str, source: SourceId, offset: usize, sink: &mut Sink) -> Option
             Some(node)
         }
         Err(message) if trimmed.starts_with(['"', '\'', '[', '{']) => {
-            sink.emit(Diagnostic::error("E0001", format!("TOML syntax: {message}")).at(span, ""));
+            let error = Diagnostic::error("E0001", format!("TOML syntax: {message}")).at(span, "");
+            sink.emit(error.help("write the value as in a spec: `\"text\"`, `[1, 2]`, `{ key = 1 }`"));
             None
         }
         Err(_) => Some(Node { span, layer: Layer::Set, item: Item::Text(trimmed.to_owned()) }),

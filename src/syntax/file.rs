@@ -1,6 +1,7 @@
 //! Reads text files for the compiler's front end: missing files (E0004), bytes that are not UTF-8 (E0005),
 //! folders and unreasonably large files (E0006), pipes and devices (E0007) are diagnostics, not panics.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::files::Files;
@@ -43,7 +44,12 @@ pub fn refused(files: &dyn Files, path: &Path, error: &ReadError) -> Diagnostic 
                 })),
             }
         }
-        _ => unreadable("E0006"),
+        ReadError::TooLarge { .. } => unreadable("E0006")
+            .help("specs and robots have a few kilobytes: check that this is the right file"),
+        ReadError::Io(error) if error.kind() == ErrorKind::PermissionDenied => {
+            unreadable("E0006").help("change its permissions, or name another file")
+        }
+        _ => unreadable("E0006").help("name a regular file: this one may be a link that leads to itself"),
     }
 }
 

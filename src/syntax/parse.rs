@@ -125,6 +125,12 @@ fn advised(error: Diagnostic, message: &str, line: &str, source: SourceId, start
         let closed = format!("{header}{}", if header.starts_with("[[") { "]]" } else { "]" });
         return error.help(format!("close the header: `{closed}`")).fix(place, closed);
     }
+    if line.contains(|letter: char| letter.is_control() && letter != '\t') {
+        return error.help("remove the control character, or write it as an escape such as `\\u0007`");
+    }
+    if message.contains("recursion") {
+        return error.help("specs and robots have a few levels: check that this is the right file");
+    }
     if message.contains("string") {
         return error.help("close the string on the same line with the same quote");
     }

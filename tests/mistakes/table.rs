@@ -76,6 +76,7 @@ pub const MISTAKES: &[Mistake] = &[
     one(&[("action.delay", "0.004")], "E0201"),
     one(&[("action.delay", "\"0.004\"")], "E0201"),
     one(&[("action.std", "0.1")], "E0201"),
+    one(&[("action.std", "\"NaN %\"")], "E0103"),
     one(&[("task.command.speed", "{ uniform = [0.0, 0.5] }")], "E0201"),
     one(&[("action.delay", "\"4 sec\"")], "E0202"),
     one(&[("robot.payload", "\"3 lb\"")], "E0202"),

@@ -179,7 +179,10 @@ fn verify(store: &Store, global: &Global) -> Exit {
             let files = files.join(", ");
             output::note(global, &format!("{what}: not part of the artefact, and ignored: {files}"));
         }
-        output::note(global, &format!("{whole} artefacts are whole, {} are damaged", faults.len()));
+        let journals = faults.iter().filter(|fault| fault.what == JOURNAL).count();
+        let (damaged, journal) =
+            (faults.len() - journals, if journals > 0 { "; the journal is damaged" } else { "" });
+        output::note(global, &format!("{whole} artefacts are whole, {damaged} are damaged{journal}"));
     }
     if faults.is_empty() { Exit::Ok } else { Exit::StageFailed }
 }
@@ -232,6 +235,9 @@ fn checkpoints(store: &Store) -> Vec<Fault> {
     store.damaged_checkpoints().into_iter().map(fault).collect()
 }
 
+/// What a fault of the journal is about.
+const JOURNAL: &str = "journal";
+
 /// What is wrong with the journal of a store that has this many artefacts.
 fn journal(store: &Store, artefacts: usize) -> Result<Option<Fault>, StoreError> {
     let reason = match Journal::open(store)?.health() {
@@ -240,7 +246,7 @@ fn journal(store: &Store, artefacts: usize) -> Result<Option<Fault>, StoreError>
         Health::Absent | Health::Whole => return Ok(None),
     };
     let help = "runs go on; `cache gc` removes nothing until `cache gc --force` has written it again";
-    Ok(Some(Fault { code: "E0814", what: "journal".into(), reason, help }))
+    Ok(Some(Fault { code: "E0814", what: JOURNAL.to_owned(), reason, help }))
 }
 
 /// Removes the waste and reports it; without `removal` it is only reported.

@@ -62,7 +62,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
                 if options.check {
                     show(path, &before, &after, global);
                 } else if let Err(error) = safe_fs::replace(path, after.as_bytes()) {
-                    output::complain(global, &format!("{} cannot be written: {error}", path.display()), None);
+                    let message = format!("{} cannot be written: {error}", path.display());
+                    let advice =
+                        "change the permissions of the file and its folder, or see what --check finds";
+                    output::complain(global, &message, Some(advice));
                     return Exit::StageFailed;
                 }
                 tally.changed.push(path.clone());

@@ -241,6 +241,10 @@ fn ratio(share: &Share, node: &Node, param: &Param) -> Result<Value, Diagnostic>
                 let error = Diagnostic::error("E0202", format!("unknown unit `{found}`"));
                 Err(error.at(inside(node, text, range), "not a percentage").help(as_share))
             }
+            Err(QuantityError::NoNumber { .. }) => {
+                let message = format!("`{}` takes a percentage, found `{text}`", param.name);
+                Err(Diagnostic::error("E0103", message).at(node.span, "no number").help(as_share))
+            }
             Err(error) => Err(explain(&error, text, Dimension::NONE, node, param)),
         },
         Item::Number(number) if !number.value.is_finite() => Err(not_finite(node.span, param)),

@@ -15,6 +15,7 @@ use crate::kinds::task::{Task, Walk};
 use crate::kinds::{deploy, randomize::push, terrain};
 use crate::sim::EngineName;
 use crate::spec::decode::{self, Decoder, Registry};
+use crate::spec::marks::below;
 use crate::spec::typed::{Declared, Keys, Typed};
 use crate::spec::{Marks, Param, Quantity, Section, Table, Value};
 use crate::syntax::assign::{Assigning, assignment_of};
@@ -132,6 +133,13 @@ impl Desk {
         Some(span)
     }
 
+    /// Says how an option is written where the advice on a missing key is about the lines of a spec.
+    fn advise(&mut self, option: &str) {
+        for missing in self.sink.diagnostics.iter_mut().filter(|found| found.code == "E0101") {
+            missing.help = vec![usage(option).to_owned()];
+        }
+    }
+
     fn number(&mut self, option: &str, path: &str, text: &str) -> Option<f64> {
         match self.value(option, path, text)? {
             Value::Quantity(quantity) => Some(quantity.si),
@@ -247,9 +255,10 @@ fn with_options(message: &str) -> String {
     let mut text = parts.next().unwrap_or_default().to_owned();
     for part in parts {
         let (path, rest) = part.split_once('`').unwrap_or((part, ""));
-        let tables = [("randomize.push", "--push"), (Setting::terrain.name, "--terrain")];
-        let below = |table: &str| path.strip_prefix(table).map(|key| key.trim_start_matches('.'));
-        let option = tables.into_iter().find_map(|(table, option)| Some((below(table)?, option)));
+        let push = below(Spread::randomize.name, push::Pushes::KIND.name);
+        let tables = [(push.as_str(), "--push"), (Setting::terrain.name, "--terrain")];
+        let key = |table: &str| path.strip_prefix(table).map(|key| key.trim_start_matches('.'));
+        let option = tables.into_iter().find_map(|(table, option)| Some((key(table)?, option)));
         text += &match option {
             Some(("", option)) => format!("`{option}`"),
             Some((key, option)) => format!("`{key}` of `{option}`"),
@@ -281,8 +290,10 @@ fn push(text: &str, desk: &mut Desk) -> Option<Randomized> {
     let registry =
         Registry { noun: "randomization", kinds: &[push::Pushes::KIND], extra: &[], reserved: &[] };
     let mut decoder = Decoder::new(&mut desk.sink);
-    let row = decoder.of_kind(&node, &registry, "push", Some(("push", span)))?;
+    let row = decoder.of_kind(&node, &registry, "push", Some(("push", span)));
     let marks = decoder.marks;
+    desk.advise("--push");
+    let row = row?;
     let rows = Table::from([("push".to_owned(), Value::Table(row))]);
     let randomize = Spread::randomize.name;
     desk.record(randomize, Value::Table(rows.clone()), marks, &format!("{randomize}."));
@@ -313,8 +324,10 @@ fn ground(text: &str, policy: &Policy, desk: &mut Desk) -> Option<Blueprint> {
     let node = Node { span, layer: Layer::Set, item: Item::Table(table) };
     let registry = Registry { noun: "terrain", kinds: terrain::KINDS, extra: &[], reserved: &["kind"] };
     let mut decoder = Decoder::new(&mut desk.sink);
-    let decoded: Table = decoder.of_kind(&node, &registry, Setting::terrain.name, None)?;
+    let decoded: Option<Table> = decoder.of_kind(&node, &registry, Setting::terrain.name, None);
     let marks = decoder.marks;
+    desk.advise("--terrain");
+    let decoded = decoded?;
     desk.record(Setting::terrain.name, Value::Table(decoded.clone()), marks, "");
     match policy.blueprint.with_terrain(decoded) {
         Ok(blueprint) => Some(blueprint),
