@@ -243,8 +243,7 @@ fn a_hostile_spec_is_checked_shown_and_planned_as_plain_text() {
     world.write(
         "sound.toml",
         &format!(
-            "{head}summary = {hostile}\n[profile.{hostile}]\nlearn.seed = 2\n[report]\ndeviations = \
-             [{hostile}]\n"
+            "{head}summary = {hostile}\n[profile.other]\nlearn.seed = 2\n[report]\ndeviations = [{hostile}]\n"
         ),
     );
     let shown = world.harmless(&["show", "sound.toml"]);
@@ -266,6 +265,7 @@ fn a_hostile_spec_is_checked_shown_and_planned_as_plain_text() {
     let raw = "\u{9b}2J\u{202e}\u{2028}";
     let mistakes = [
         format!("name = {hostile}\n"),
+        format!("[profile.{hostile}]\nlearn.seed = 2\n"),
         format!("[learn]\n{hostile} = 1\n"),
         format!("[learn]\nseed = {hostile} # {raw}\n"),
         format!("[learn]\nsamples = '{raw} ::error::x'\n"),

@@ -48,8 +48,10 @@ fn every_spec_of_the_project_is_in_order() {
 fn a_profile_over_many_files_passes_over_those_that_lack_it() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let parent = root().join("specs/tocabi_walk_torque.toml");
-    let with =
-        format!("spec = 1\nname = \"with\"\nextends = {parent:?}\n[profile.tiny]\nlearn.samples = \"x\"\n");
+    let with = format!(
+        "spec = 1\nname = \"with\"\nextends = {parent:?}\n[profile.tiny]\nlearn.samples = \"x\"\n\
+         [report]\ncompare = []\n"
+    );
     let without = format!("spec = 1\nname = \"without\"\nextends = {parent:?}\n");
     let plain = without.replace("without", "plain");
     for (name, text) in [("with.toml", with), ("without.toml", without), ("plain.toml", plain)] {

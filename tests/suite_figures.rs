@@ -167,11 +167,7 @@ fn the_claims_are_drawn_with_their_verdicts() {
     for word in ["PASS", "NOT MEANINGFUL", "NOT ESTABLISHED"] {
         assert!(svg.contains(&format!(">{word}: ")), "{word}: {svg}");
     }
-    assert!(
-        claims.caption.contains("4 comparisons of 3 claims: 1 pass, 0 fail, 2 are not"),
-        "{}",
-        claims.caption
-    );
+    assert!(claims.caption.contains("4 comparisons of 3 claims; n counts"), "{}", claims.caption);
 }
 
 #[test]

@@ -386,10 +386,20 @@ fn a_folder_of_reports_that_cannot_be_written_is_named_and_not_the_store() {
     let plan = plan_of(&STDS[..1]);
     execute(&plan, folder.path());
     fs::write(folder.path().join("file"), "not a folder").expect("it can be written");
-    let run = run_saved(&plan, folder.path(), &["--reports", "file/reports"]).code(4);
-    let told = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
-    assert!(told.contains("error: [R0004] the report cannot be written: file/reports"), "{told}");
-    assert!(told.contains("with `--reports DIR`") && !told.contains("--store"), "{told}");
+    let told = |reports: &str, code: i32| {
+        let run = run_saved(&plan, folder.path(), &["--reports", reports]).code(code);
+        String::from_utf8_lossy(&run.get_output().stderr).into_owned()
+    };
+    let at_once = told("file/reports", 2);
+    assert!(at_once.contains("error: reports cannot be written into file/reports: "), "{at_once}");
+    // Writing the figures finds that the name of their folder is taken.
+    fs::create_dir(folder.path().join("own")).expect("a folder");
+    fs::write(folder.path().join("own/exploration"), "not a folder").expect("it can be written");
+    let late = told("own", 4);
+    assert!(late.contains("error: [R0004] the report cannot be written: own/"), "{late}");
+    for told in [at_once, late] {
+        assert!(told.contains("with `--reports DIR`") && !told.contains("--store"), "{told}");
+    }
 }
 
 #[test]
