@@ -284,3 +284,28 @@ fn a_folder_of_reports_that_cannot_be_written_is_found_before_anything_runs() {
     run.assert().code(2).stderr(contains("reports cannot be written into /proc/x"));
     assert!(!place.path().join("store").exists());
 }
+
+#[test]
+fn a_suite_in_extends_is_named_where_it_is_extended() {
+    let place = project();
+    let suite = "spec = 1\nsuite = \"several\"\nextends = \"plain.toml\"\n[sweep]\nseeds = 2\n";
+    fs::write(place.path().join("specs/several.toml"), suite).expect("the folder can be written");
+    let spec = "spec = 1\nname = \"own\"\nextends = \"several.toml\"\n";
+    fs::write(place.path().join("specs/own.toml"), spec).expect("the folder can be written");
+    let mut check = specforge(&place.path().join("store"));
+    check.current_dir(place.path()).args(["check", "specs/own.toml"]);
+    let told = contains("error[E0606]: `specs/several.toml` is a suite").and(contains("--> specs/own.toml:3:11"));
+    check.assert().code(3).stderr(told.and(contains("1 error;")));
+}
+
+#[test]
+fn a_template_that_works_without_an_end_is_stopped_by_the_clock() {
+    let place = project();
+    let sorts = "{% set x = range(100000)|list %}{% for i in range(100000) %}{{ x|sort|length }}{% endfor %}";
+    fs::write(place.path().join("templates/slow.j2"), sorts).expect("the folder can be written");
+    child(place.path(), "slow.toml", "[report]\ntemplate = \"slow.j2\"");
+    let mut check = specforge(&place.path().join("store"));
+    check.current_dir(place.path()).args(["check", "specs/slow.toml"]);
+    let told = contains("error[E0905]: rendering takes more than 20 s").and(contains("--> specs/slow.toml:4:12"));
+    check.assert().code(3).stderr(told);
+}

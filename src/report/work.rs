@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use super::gather::{Law, gather};
-use super::{Templates, policies, render};
+use super::{ReportInput, Templates, policies, render};
 use crate::diag::{Diagnostic, Sources};
 use crate::exec::{Job, Work, WorkError};
-use crate::safe_fs;
+use crate::{escape, safe_fs};
 
 /// Renders a report from the artefacts of all arms.
 #[derive(Clone, Debug)]
@@ -26,8 +26,8 @@ impl Work for ReportWork {
     fn run(&self, job: &Job) -> Result<(), WorkError> {
         let input = gather(job, self.law)?;
         let mut sources = Sources::default();
-        let files =
-            render(&input, &self.templates, &mut sources).map_err(|found| failure(&found, &sources))?;
+        let files = render(&input, &self.templates, &mut sources)
+            .map_err(|found| failure(&input, &found, &sources))?;
         for file in files {
             write(job.output, &file.path, file.text.as_bytes())?;
         }
@@ -48,8 +48,14 @@ fn write(output: &Path, file: &Path, content: &[u8]) -> Result<(), WorkError> {
 }
 
 /// The errors of a template as the failure of a stage: `templates/report.md.j2:12:4: undefined variable`.
-fn failure(found: &[Diagnostic], sources: &Sources) -> WorkError {
-    let lines: Vec<String> = found.iter().map(|diagnostic| line(diagnostic, sources)).collect();
+fn failure(input: &ReportInput, found: &[Diagnostic], sources: &Sources) -> WorkError {
+    let of_template = |diagnostic: &Diagnostic| match diagnostic.labels.is_empty() {
+        true => {
+            format!("template `{}`: {}", escape::file(Path::new(&input.template)), line(diagnostic, sources))
+        }
+        false => line(diagnostic, sources),
+    };
+    let lines: Vec<String> = found.iter().map(of_template).collect();
     let help = found.iter().flat_map(|diagnostic| diagnostic.help.first()).next().cloned();
     WorkError::Failed {
         code: found.first().map(|diagnostic| diagnostic.code),

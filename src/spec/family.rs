@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
+use crate::escape;
 use crate::syntax::{Files, Forms, Item, Map, Node, file, files, merge, parse};
 
 use super::Edition;
@@ -155,6 +156,25 @@ impl Gathering<'_, '_> {
         self.family.members.push(member);
     }
 
+    /// Adds a parent after its own; false for a suite (E0606).
+    fn take_spec(
+        &mut self,
+        path: &Path,
+        identity: PathBuf,
+        member: Arc<Member>,
+        place: Span,
+        chain: &mut Chain,
+    ) -> bool {
+        if member.header.suite.is_some() {
+            let message = format!("`{}` is a suite, and parents are specs", escape::file(path));
+            let error = Diagnostic::error("E0606", message).at(place, "named here");
+            self.desk.sink.emit(error.help("name one of the specs that the suite varies"));
+            return false;
+        }
+        self.take(path, identity, member, chain);
+        true
+    }
+
     fn parents(&mut self, path: &Path, parents: &[(String, Span)], chain: &mut Chain) {
         if let Some((_, place)) = parents.get(MOST_PARENTS) {
             let error = Diagnostic::error("E0109", format!("a spec has at most {MOST_PARENTS} parents"));
@@ -231,12 +251,12 @@ impl Gathering<'_, '_> {
             return false;
         }
         if let Some(known) = self.desk.library.members.get(&identity).cloned() {
-            return known.map(|member| self.take(&path, identity, member, chain)).is_some();
+            return known.is_some_and(|member| self.take_spec(&path, identity, member, place, chain));
         }
         match file::read(self.desk.files, &path) {
             Ok(text) => {
                 let member = self.member(&path, identity.clone(), text);
-                member.map(|member| self.take(&path, identity, member, chain)).is_some()
+                member.is_some_and(|member| self.take_spec(&path, identity, member, place, chain))
             }
             Err(error) => {
                 let code = if error.code == "E0004" { "E0601" } else { error.code };

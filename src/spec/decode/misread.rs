@@ -4,16 +4,29 @@ use std::ops::Range;
 
 use super::choice::example;
 use crate::diag::{Diagnostic, Span};
-use crate::quantity::{Dimension, QuantityError};
-use crate::spec::{Param, Ty};
+use crate::quantity::{self, Dimension, QuantityError};
+use crate::spec::{Param, Ty, bounds};
 use crate::syntax::Node;
 
 /// E0201 with the edit.
-pub fn unit_missing(number: &str, dimension: Dimension, node: &Node) -> Diagnostic {
-    let written = format!("\"{number} {}\"", dimension.unit());
+pub fn unit_missing(number: &str, dimension: Dimension, node: &Node, param: &Param) -> Diagnostic {
     let error =
         Diagnostic::error("E0201", format!("{} needs a unit", dimension.name())).at(node.span, "no unit");
-    error.help(format!("did you mean `{written}`?")).fix(node.span, written)
+    // Angles are often in degrees. A unit with which the value is out of range was not meant.
+    let units = [Some(dimension.unit()), (dimension == Dimension::ANGLE).then(|| "deg".to_owned())];
+    let fits = |unit: &String| {
+        let si = quantity::quantity_of(&format!("{number} {unit}"), dimension);
+        si.is_ok_and(|si| bounds::holds(param, si))
+    };
+    match units.into_iter().flatten().find(fits) {
+        Some(unit) => {
+            let written = format!("\"{number} {unit}\"");
+            error.help(format!("did you mean `{written}`?")).fix(node.span, written)
+        }
+        None => {
+            error.help(format!("write it in `{}`, within the range of `{}`", dimension.unit(), param.name))
+        }
+    }
 }
 
 /// A quantity's error as a diagnostic.
@@ -32,7 +45,7 @@ pub fn explain(
                 .at(node.span, "no number")
                 .help(format!("write for example `{example}`"))
         }
-        QuantityError::UnitMissing { number } => unit_missing(&text[number.clone()], dimension, node),
+        QuantityError::UnitMissing { number } => unit_missing(&text[number.clone()], dimension, node, param),
         QuantityError::UnknownUnit { range, found, suggestion } => {
             let place = inside(node, text, range.clone());
             let error = Diagnostic::error("E0202", format!("unknown unit `{found}`")).at(place, "not a unit");

@@ -197,7 +197,7 @@ pub fn quantity(dimension: Dimension, node: &Node, param: &Param) -> Result<Quan
             Err(error) => Err(explain(&error, text, dimension, node, param)),
         },
         Item::Number(number) if !number.value.is_finite() => Err(not_finite(node.span, param)),
-        Item::Number(number) => Err(unit_missing(&number.text, dimension, node)),
+        Item::Number(number) => Err(unit_missing(&number.text, dimension, node, param)),
         _ => Err(wrong_type(&Ty::Quantity(dimension), node, param)),
     }
 }

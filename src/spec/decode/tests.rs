@@ -138,6 +138,8 @@ fn the_shape_of_a_value_chooses_among_several_types() {
 #[test]
 fn units_that_are_missing_unknown_or_wrong_are_told_apart() {
     assert_eq!(fixed("delay = 0.05"), ("E0201", "\"0.05 s\"".to_owned()));
+    // More than half a turn is in degrees.
+    assert_eq!(fixed("noise = { uniform = [\"-1 rad\", 30] }"), ("E0201", "\"30 deg\"".to_owned()));
     assert_eq!(fixed("delay = \"0.05\""), ("E0201", "\"0.05 s\"".to_owned()));
     assert_eq!(mistake("delay = 0.05").0.message, "a duration needs a unit");
     assert_eq!(fixed("std = 0.1"), ("E0201", "\"10 %\"".to_owned()));
