@@ -294,7 +294,8 @@ fn a_suite_in_extends_is_named_where_it_is_extended() {
     fs::write(place.path().join("specs/own.toml"), spec).expect("the folder can be written");
     let mut check = specforge(&place.path().join("store"));
     check.current_dir(place.path()).args(["check", "specs/own.toml"]);
-    let told = contains("error[E0606]: `specs/several.toml` is a suite").and(contains("--> specs/own.toml:3:11"));
+    let told =
+        contains("error[E0606]: `specs/several.toml` is a suite").and(contains("--> specs/own.toml:3:11"));
     check.assert().code(3).stderr(told.and(contains("1 error;")));
 }
 
@@ -306,6 +307,7 @@ fn a_template_that_works_without_an_end_is_stopped_by_the_clock() {
     child(place.path(), "slow.toml", "[report]\ntemplate = \"slow.j2\"");
     let mut check = specforge(&place.path().join("store"));
     check.current_dir(place.path()).args(["check", "specs/slow.toml"]);
-    let told = contains("error[E0905]: rendering takes more than 20 s").and(contains("--> specs/slow.toml:4:12"));
+    let told =
+        contains("error[E0905]: rendering takes more than 20 s").and(contains("--> specs/slow.toml:4:12"));
     check.assert().code(3).stderr(told);
 }
