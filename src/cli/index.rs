@@ -72,11 +72,10 @@ type Contents = BTreeMap<String, String>;
 
 /// Reads the suites and the reports' records. Reports errors; `Err` is the exit code.
 pub fn read(files: &[PathBuf], folder: &Path, global: &Global) -> Result<(Index, Contents), Exit> {
+    // Mistakes in the suites are found before all records are read, which takes seconds.
+    let suites = files.iter().map(|file| listed(file, global)).collect::<Result<Vec<_>, _>>()?;
     let Found { records, contents, .. } = found(folder, global)?;
-    let mut index = Index { reports: records, ..Index::default() };
-    for file in files {
-        index.suites.push(listed(file, global)?);
-    }
+    let mut index = Index { suites, reports: records, ..Index::default() };
     index.suites.sort_by(|a, b| a.name.cmp(&b.name));
     index.suites.iter_mut().for_each(|suite| suite.page = page_of(suite, &index.reports));
     for (name, report) in &index.reports {
@@ -104,7 +103,7 @@ fn listed(file: &Path, global: &Global) -> Result<Listed, Exit> {
         output::complain(
             global,
             &message,
-            Some("the index lists suites; single specs have a page of their own"),
+            Some("name suites only: reports of single specs are listed by themselves"),
         );
         return Err(Exit::Usage);
     }
