@@ -256,6 +256,15 @@ fn an_invalid_assignment_of_an_option_is_told_how_to_write_that_option() {
 }
 
 #[test]
+fn a_key_that_an_option_lacks_is_told_with_how_that_option_is_written() {
+    let file = file(&policy().to_bytes());
+    let output = evaluate(&file.path, &["--terrain", "slope", "--push", "impulse=60 N*s"]);
+    let text = told(&output);
+    assert_eq!((output.status.code(), text.matches("error[E0101]").count()), (Some(3), 2), "{text}");
+    assert!(text.contains("write `--terrain kind") && text.contains("write `--push key"), "{text}");
+}
+
+#[test]
 fn a_speed_for_a_policy_that_follows_none_is_refused() {
     let squat =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/policies/tocabi_squat_torque.safetensors");

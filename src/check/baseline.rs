@@ -83,11 +83,7 @@ impl Checker {
             return Err(refusal);
         }
         if !naming.files.is_file(path) {
-            let missing = Diagnostic::error("E0004", format!("file not found: `{shown}`"));
-            let advice = syntax::file::elsewhere(naming.files, path);
-            return Err(
-                missing.help(advice.unwrap_or("name a spec by its path relative to this file".into()))
-            );
+            return Err(missing(naming.files, path));
         }
         if is_suite(&syntax::file::read(naming.files, path)?) {
             return wrong(
@@ -168,6 +164,13 @@ impl Checker {
         trail.steps.pop();
         circle
     }
+}
+
+/// E0004 for a spec that another one names, without a place.
+pub(super) fn missing(files: &dyn Files, path: &Path) -> Diagnostic {
+    let error = Diagnostic::error("E0004", format!("file not found: `{}`", escape::file(path)));
+    let advice = syntax::file::elsewhere(files, path);
+    error.help(advice.unwrap_or("name a spec by its path relative to this file".into()))
 }
 
 /// The chain of baselines from a spec.

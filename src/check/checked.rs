@@ -18,7 +18,7 @@ use crate::spec::family::Family;
 use crate::spec::section::Report;
 use crate::spec::suite::Arm;
 use crate::spec::{Experiment, LoadOptions, Loaded, Section, Table, Vocabulary, allow};
-use crate::syntax::{self, Disk, Files};
+use crate::syntax::{Disk, Files};
 
 /// A spec with everything known before it is run.
 #[derive(Clone, Debug, Default)]
@@ -194,11 +194,6 @@ pub fn unrunnable(experiment: &Experiment, sources: &Sources) -> Option<Diagnost
 
 /// The specs of `report.compare` exist (E0004).
 fn find_compared(experiment: &Experiment, files: &dyn Files, sink: &mut Sink) {
-    let missing = |path: &Path| {
-        let error = Diagnostic::error("E0004", format!("file not found: `{}`", crate::escape::file(path)));
-        let advice = syntax::file::elsewhere(files, path);
-        error.help(advice.unwrap_or("name a spec by its path relative to this file".into()))
-    };
     let own = files.identity(&experiment.path);
     for (index, path) in experiment.compare.iter().enumerate() {
         let mark = experiment.marks.nearest(&Report::compared(index));
@@ -222,7 +217,9 @@ fn find_compared(experiment: &Experiment, files: &dyn Files, sink: &mut Sink) {
             continue;
         }
         let refusal = experiment.reach.refusal(files, path);
-        let Some(diagnostic) = refusal.or_else(|| (!files.is_file(path)).then(|| missing(path))) else {
+        let Some(diagnostic) =
+            refusal.or_else(|| (!files.is_file(path)).then(|| baseline::missing(files, path)))
+        else {
             continue;
         };
         sink.emit(match experiment.marks.nearest(&Report::compared(index)) {

@@ -13,7 +13,7 @@ use super::reach::{Place, Reach};
 use super::requires::{self, Required};
 use super::section;
 use super::section::Report;
-use super::suggest::safe_name;
+use super::suggest::{is_file_name, safe_name};
 use super::typed::InSection;
 
 /// Maximum length of a chain of parents.
@@ -323,9 +323,7 @@ impl Gathering<'_, '_> {
 
     /// A name becomes a file name.
     fn check_name(&mut self, name: &str, place: Span) -> bool {
-        let plain =
-            !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '-' | '.'));
-        let plain = plain && !name.starts_with('.');
+        let plain = is_file_name(name);
         if !plain {
             let error = Diagnostic::error("E0107", format!("invalid name `{name}`"));
             let error = error.at(place, "invalid name").help("use letters, digits, `_`, `-` and `.`");

@@ -74,6 +74,12 @@ impl Gathered {
     }
 }
 
+/// Whether a diagnostic is about the profile chosen on the command line; an unknown name in a spec has a
+/// place.
+pub fn is_unknown_profile(found: &Diagnostic) -> bool {
+    found.code == "E0706" && found.labels.is_empty()
+}
+
 /// Shared state for loading a spec or all arms of a suite.
 pub(super) struct Loading<'a> {
     pub files: &'a dyn Files,

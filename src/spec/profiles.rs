@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::section::Header;
-use super::suggest::{listed, nearest};
+use super::suggest::{is_file_name, listed, nearest};
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::escape;
 use crate::syntax::{Entry, Item, Layer, Map, Node};
@@ -131,8 +131,7 @@ impl Profiles {
 
 /// E0107 for a profile whose name cannot be part of a file name.
 fn misnamed(name: &str, entry: &Entry) -> Option<Diagnostic> {
-    let is_allowed = |letter: char| letter.is_alphanumeric() || matches!(letter, '_' | '-' | '.');
-    let is_plain = name.chars().all(is_allowed) && !name.starts_with('.') && !name.is_empty();
+    let is_plain = is_file_name(name);
     if is_plain && name.len() <= LONGEST_PROFILE {
         return None;
     }

@@ -35,6 +35,12 @@ fn rearranged(a: &str, b: &str) -> bool {
     words(a) == words(b)
 }
 
+/// Whether a name can be part of a file name: letters, digits, `_`, `-` and, except at the start, `.`.
+pub fn is_file_name(name: &str) -> bool {
+    let is_allowed = |letter: char| letter.is_alphanumeric() || matches!(letter, '_' | '-' | '.');
+    !name.is_empty() && !name.starts_with('.') && name.chars().all(is_allowed)
+}
+
 /// A name with each run of invalid characters replaced by `_`; `None` if nothing else is left or the name is
 /// too long to be useful.
 pub fn safe_name(name: &str, is_allowed: impl Fn(char) -> bool) -> Option<String> {

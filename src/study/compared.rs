@@ -9,13 +9,14 @@ use crate::check::{Checked, Checker, unrunnable};
 use crate::diag::{Diagnostic, Severity, Sources, Span};
 use crate::escape;
 use crate::plan::{PlanError, lower, same_results};
+use crate::spec::load::is_unknown_profile;
 use crate::spec::section::Report;
 use crate::spec::suggest::listed;
 use crate::spec::{Experiment, LoadOptions};
 use crate::syntax::Files;
 
-/// What is wrong with the comparisons of a spec, which may itself have errors. Warnings about the other specs are reported when those
-/// are checked themselves.
+/// What is wrong with the comparisons of a spec, which may itself have errors. Warnings about the other specs
+/// are reported when those are checked themselves.
 pub fn findings(
     spec: &Checked,
     file: &Path,
@@ -60,11 +61,6 @@ pub fn findings(
     }
     found.extend(namesakes(spec, &others));
     found
-}
-
-/// Whether the chosen profile is unknown; an unknown name in a spec has a place.
-pub fn is_unknown_profile(found: &Diagnostic) -> bool {
-    found.code == "E0706" && found.labels.is_empty()
 }
 
 /// The profiles of a spec that a compared one lacks.

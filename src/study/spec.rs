@@ -10,6 +10,7 @@ use super::{Refusal, Study};
 use crate::check::{self, Checked, Checker, unrunnable};
 use crate::escape::shell;
 use crate::plan::{Arm, PlanError, same_results};
+use crate::spec::load::is_unknown_profile;
 use crate::spec::{Experiment, LoadOptions, Table};
 use crate::syntax::Disk;
 
@@ -141,9 +142,8 @@ fn comparable(
     let known = log.findings.len();
     let checked = checked(file, options, log).inspect_err(|_| {
         let Some((by, entry)) = by else { return };
-        let lacks = log.findings[known..]
-            .iter()
-            .any(|found| found.diagnostics.iter().any(compared::is_unknown_profile));
+        let lacks =
+            log.findings[known..].iter().any(|found| found.diagnostics.iter().any(is_unknown_profile));
         if let Some(profile) = options.profile.clone().filter(|_| lacks) {
             let error = compared::at_entry(compared::without_profiles(file, &[profile]), by, entry);
             log.findings.truncate(known);

@@ -12,7 +12,7 @@ use crate::syntax::Node;
 pub fn unit_missing(number: &str, dimension: Dimension, node: &Node, param: &Param) -> Diagnostic {
     let error =
         Diagnostic::error("E0201", format!("{} needs a unit", dimension.name())).at(node.span, "no unit");
-    // Angles are often in degrees. A unit with which the value is out of range was not meant.
+    // Angles are often given in degrees. A unit that puts the value out of its range is not suggested.
     let units = [Some(dimension.unit()), (dimension == Dimension::ANGLE).then(|| "deg".to_owned())];
     let fits = |unit: &String| {
         let si = quantity::quantity_of(&format!("{number} {unit}"), dimension);

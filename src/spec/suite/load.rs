@@ -12,7 +12,7 @@ use super::{Arm, Point, Suite, Sweep};
 use crate::diag::{Diagnostic, Sink, Sources, Span};
 use crate::spec::decode::Decoder;
 use crate::spec::family::{Family, Library, beside};
-use crate::spec::load::{Loading, Merged, Overlay, sort};
+use crate::spec::load::{Loading, Merged, Overlay, is_unknown_profile, sort};
 use crate::spec::marks::below;
 use crate::spec::section;
 use crate::spec::typed::{InSection, Keys};
@@ -212,7 +212,7 @@ fn baselines_of(node: &Node, suite: &Path, sources: &Sources) -> Vec<NamedSpec> 
 fn once(profiles: &[String], sink: &mut Sink) {
     let mut kept: Vec<Diagnostic> = Vec::new();
     for mut found in std::mem::take(&mut sink.diagnostics) {
-        let unknown_profile = found.code == "E0706" && found.labels.is_empty();
+        let unknown_profile = is_unknown_profile(&found);
         let known = kept.iter().any(|kept| *kept == found || (unknown_profile && kept.code == "E0706"));
         if unknown_profile && profiles.iter().any(|name| found.message.ends_with(&format!("`{name}`"))) {
             found.help =

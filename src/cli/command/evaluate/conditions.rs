@@ -133,11 +133,12 @@ impl Desk {
         Some(span)
     }
 
-    /// Says how an option is written where the advice on a missing key is about the lines of a spec.
-    fn advise(&mut self, option: &str) {
-        for missing in self.sink.diagnostics.iter_mut().filter(|found| found.code == "E0101") {
-            missing.help = vec![usage(option).to_owned()];
-        }
+    /// Replaces the advice on missing keys, which is about the lines of a spec, in the diagnostics of an
+    /// option, the last ones.
+    fn advise(&mut self, option: &str, earlier: usize) {
+        let own = self.sink.diagnostics[earlier..].iter_mut();
+        own.filter(|found| found.code == "E0101")
+            .for_each(|missing| missing.help = vec![usage(option).to_owned()]);
     }
 
     fn number(&mut self, option: &str, path: &str, text: &str) -> Option<f64> {
@@ -289,10 +290,11 @@ fn push(text: &str, desk: &mut Desk) -> Option<Randomized> {
     let node = Node { span, layer: Layer::Set, item: Item::Table(map) };
     let registry =
         Registry { noun: "randomization", kinds: &[push::Pushes::KIND], extra: &[], reserved: &[] };
+    let earlier = desk.sink.diagnostics.len();
     let mut decoder = Decoder::new(&mut desk.sink);
     let row = decoder.of_kind(&node, &registry, "push", Some(("push", span)));
     let marks = decoder.marks;
-    desk.advise("--push");
+    desk.advise("--push", earlier);
     let row = row?;
     let rows = Table::from([("push".to_owned(), Value::Table(row))]);
     let randomize = Spread::randomize.name;
@@ -323,10 +325,11 @@ fn ground(text: &str, policy: &Policy, desk: &mut Desk) -> Option<Blueprint> {
     }
     let node = Node { span, layer: Layer::Set, item: Item::Table(table) };
     let registry = Registry { noun: "terrain", kinds: terrain::KINDS, extra: &[], reserved: &["kind"] };
+    let earlier = desk.sink.diagnostics.len();
     let mut decoder = Decoder::new(&mut desk.sink);
     let decoded: Option<Table> = decoder.of_kind(&node, &registry, Setting::terrain.name, None);
     let marks = decoder.marks;
-    desk.advise("--terrain");
+    desk.advise("--terrain", earlier);
     let decoded = decoded?;
     desk.record(Setting::terrain.name, Value::Table(decoded.clone()), marks, "");
     match policy.blueprint.with_terrain(decoded) {
