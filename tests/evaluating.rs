@@ -1,5 +1,7 @@
 //! `specforge evaluate POLICY`: what it refuses, and that its numbers are those of a run's own stages.
 
+mod arms;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -10,6 +12,7 @@ use specforge::kinds::motion::shipped;
 use specforge::learn::{Activation, Network};
 use specforge::spec::LoadOptions;
 use specforge::stream::Stream;
+use specforge::study::{Log, Study};
 
 fn evaluate(policy: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
@@ -300,7 +303,15 @@ fn a_spec_without_a_trained_policy_is_told_how_to_train_it() {
     assert_eq!(untrained.status.code(), Some(2));
     let advice = format!("specforge run {spec} --profile quick --set 'learn.seed=2'");
     assert!(told(&untrained).contains(&advice), "{}", told(&untrained));
-    assert!(told(&run(&[spec])).contains("`--profile desk`"), "other profiles are named");
+    let elsewhere = told(&run(&[spec]));
+    assert!(elsewhere.contains("train it first") && !elsewhere.contains("--profile"), "{elsewhere}");
+    let options = LoadOptions { profile: Some("quick".into()), ..LoadOptions::default() };
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(spec);
+    let study = Study::read(&[path], &options, &mut Log::default()).expect("the spec is sound");
+    arms::execute(&study.plan, store.path(), &arms::Fake::default(), 1).outcome.expect("the store works");
+    let elsewhere = told(&run(&[spec]));
+    let named = elsewhere.split("trained under: ").nth(1).map(str::trim);
+    assert_eq!(named, Some("`--profile quick`"), "{elsewhere}");
     let suite = run(&["specs/studies/engines.toml", "--profile", "desk"]);
     assert_eq!(suite.status.code(), Some(2));
     assert!(told(&suite).contains("is a suite"), "{}", told(&suite));
@@ -571,6 +582,10 @@ mod engines {
         assert!(said.contains("batch, 0.2 m/s: is not judged: its episodes end after 1 s"), "{said}");
         assert!(said.contains("1.8 s, one cycle of the reference motion"), "{said}");
         assert!(told(&brief).contains("the task is not judged: its episodes end"), "{}", told(&brief));
+        assert!(!told(&brief).contains("trained speeds"), "{}", told(&brief));
+        let fast = ["--episodes", "1", "--time-limit", "1 s", "--command", "2,0.2"];
+        let fast = told(&evaluate(&file.path, &fast));
+        assert!(fast.contains("warning: 2 m/s is outside of the trained speeds, 0 to "), "{fast}");
         let warning = "survives by standing still; that is not the task";
         assert!(told(&output).contains(warning), "{}\n{text}", told(&output));
         // A second remains after the push.

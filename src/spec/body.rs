@@ -68,6 +68,12 @@ fn unknown_section(key: &str, entry: &Entry, vocabulary: &Vocabulary) -> Diagnos
         false => Diagnostic::error("E0102", format!("unknown {what} `{key}`")),
     };
     let error = error.at(entry.key, "");
+    let is_section = |(name, entry): &(&String, &Entry)| {
+        entry.node.table().is_some() && vocabulary.sections.iter().any(|section| section.name == *name)
+    };
+    if let Some((own, _)) = entry.node.table().and_then(|map| map.entries.iter().find(is_section)) {
+        return error.help(format!("`{own}` is a section of its own: write `{own}`, not `{key}.{own}`"));
+    }
     let near = synonyms::here(key, "", names());
     let elsewhere = if near.is_none() { synonyms::elsewhere(key) } else { None };
     match near.or_else(|| nearest(key, names()).filter(|_| elsewhere.is_none())) {

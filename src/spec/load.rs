@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::body::sections;
-use super::decode::{Decoder, derived};
+use super::decode::Decoder;
 use super::family::{Desk, Family, Header, LONGEST_NAME, Library, beside};
 use super::folder;
 use super::marks::below;
@@ -15,6 +15,7 @@ use super::project::{Project, Shelf};
 use super::reach::Reach;
 use super::requires;
 use super::section::{self, Report, Specs};
+use super::sets::{settable, unique};
 use super::suggest::{listed, nearest};
 use super::{
     Attachment, Experiment, LoadOptions, Loaded, Marks, NamedSpec, Section, Table, Value, Vocabulary,
@@ -264,7 +265,9 @@ impl<'a> Loading<'a> {
     pub fn sets(&mut self) -> Vec<Map> {
         let (sources, sink) = (&mut self.sources, &mut self.sink);
         let parsed = self.options.sets.iter().filter_map(|argument| assignment(argument, sources, sink));
-        parsed.collect::<Vec<_>>().into_iter().filter(|map| settable(map, &mut self.sink)).collect()
+        let parsed: Vec<Map> = parsed.collect();
+        unique(&parsed, sink);
+        parsed.into_iter().filter(|map| settable(map, &mut self.sink)).collect()
     }
 
     /// Decodes a merged spec with its overlay.
@@ -347,24 +350,6 @@ pub fn robots(vocabulary: &Vocabulary) -> Shelf<'_> {
 /// Where motion files are found.
 pub fn motions(vocabulary: &Vocabulary) -> Shelf<'_> {
     Shelf { noun: "motion", folder: "specs/motions", code: "E0304", embedded: &vocabulary.motions }
-}
-
-/// Whether the assignments are allowed: derived values cannot be set.
-pub(super) fn settable(map: &Map, sink: &mut Sink) -> bool {
-    fn look(map: &Map, path: &str, sink: &mut Sink) -> bool {
-        let mut sound = true;
-        for (key, entry) in &map.entries {
-            let path = below(path, key);
-            if let Some(error) = derived(&path, entry) {
-                sink.emit(error);
-                sound = false;
-            } else if let Some(map) = entry.node.table() {
-                sound &= look(map, &path, sink);
-            }
-        }
-        sound
-    }
-    look(map, "", sink)
 }
 
 /// The values replaced by a profile or an assignment; trees in order of increasing priority.

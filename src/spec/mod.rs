@@ -18,6 +18,7 @@ pub mod project;
 pub mod reach;
 mod requires;
 pub mod section;
+pub mod sets;
 pub mod suggest;
 pub mod suite;
 pub mod synonyms;

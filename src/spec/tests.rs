@@ -282,6 +282,9 @@ fn a_section_that_is_written_inside_another_is_recognised() {
     let folder = Folder::new(&[("walker.toml", &(WALKER.to_owned() + "[action.reward]\nx = 1\n"))]);
     let found = folder.load("walker.toml", None, &[]).sink.diagnostics;
     assert_eq!(found[0].help, ["it is a section of its own: write `reward`, not `action.reward`"]);
+    let folder = Folder::new(&[("walker.toml", &(WALKER.to_owned() + "[env.reward]\nx = 1\n"))]);
+    let found = folder.load("walker.toml", None, &[]).sink.diagnostics;
+    assert_eq!(found[0].help, ["`reward` is a section of its own: write `reward`, not `env.reward`"]);
 }
 
 #[test]
@@ -369,6 +372,17 @@ fn assignments_are_checked_like_any_other_value() {
     assert_eq!(found("profile.quick.action.rate=1 Hz"), mistake("E0603", "profile", None));
     assert_eq!(found("robot.mass=3 kg"), mistake("E0603", "mass", None));
     assert_eq!(found("action.kind=torqe"), mistake("E0301", "torqe", Some("\"torque\"")));
+}
+
+/// The last one won before.
+#[test]
+fn a_path_is_assigned_once() {
+    let folder = Folder::new(&[("walker.toml", WALKER)]);
+    let found = |sets: &[&str]| folder.mistakes("walker.toml", None, sets);
+    let twice = |place| [mistake("E0104", place, None)];
+    assert_eq!(found(&["action.rate=1 Hz", "action.rate=2 Hz"]), twice("action.rate"));
+    assert_eq!(found(&["action={ rate = \"1 Hz\" }", "action.rate=2 Hz"]), twice("action.rate"));
+    folder.sound("walker.toml", None, &["action.rate=2 Hz", "reward.effort.weight=1"]);
 }
 
 #[test]

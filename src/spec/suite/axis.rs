@@ -5,8 +5,10 @@ use std::collections::btree_map::Entry::{Occupied, Vacant};
 
 use super::limit::MOST;
 use super::point::Point;
+use super::sweep::RESERVED;
 use super::wrong_type;
 use crate::diag::{Diagnostic, Sink, Span};
+use crate::spec::suggest::nearest;
 use crate::syntax::{Entry, Item, Map, Node};
 
 /// An axis.
@@ -28,7 +30,11 @@ impl Axis {
         let Some(map) = entry.node.table() else {
             let advice =
                 format!("write `[sweep.{name}]` with a table for each point, or with `path` and `values`");
-            sink.emit(wrong_type(&format!("sweep.{name}"), "a table", &entry.node).help(advice));
+            let error = wrong_type(&format!("sweep.{name}"), "a table", &entry.node);
+            sink.emit(match nearest(name, RESERVED.iter().copied()) {
+                Some(key) => error.help(format!("did you mean `{key}`?")).fix(entry.key, key),
+                None => error.help(advice),
+            });
             return None;
         };
         let plain = name.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '-')) && !name.is_empty();

@@ -4,8 +4,8 @@ use super::wrong_type;
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::quantity::parse::{Parsed, quantity};
 use crate::spec::family::extends;
-use crate::spec::load::settable;
 use crate::spec::marks::below;
+use crate::spec::sets::settable;
 use crate::syntax::{Entry, Item, Layer, Map, Node};
 
 /// A point of an axis.

@@ -80,6 +80,7 @@ fn a_count_of_seeds_begins_at_one_and_a_list_is_taken_as_it_is() {
     assert_eq!(sweep("[sweep]\nseeds = 1001\n"), Err(vec!["E0204"]));
     assert_eq!(sweep("[sweep]\nseeds = -1\n"), Err(vec!["E0204"]));
     assert_eq!(sweep("[sweep]\nseeds = 1.5\n"), Err(vec!["E0103"]));
+    assert_eq!(sweep("[sweep]\nsedes = [1, 2]\n"), Err(vec!["E0103"]));
 }
 
 #[test]

@@ -24,6 +24,7 @@ use crate::report::verdict::judge;
 use crate::report::warning::of_evaluations;
 use crate::report::wording::with_interval;
 use crate::robot;
+use crate::spec::Section;
 
 /// Line width if standard output is not a terminal.
 const WIDTH: usize = 120;
@@ -80,6 +81,7 @@ pub fn tell(
     crossing::forget(&mut arm);
     let mut warnings = of_evaluations(&arm, &arm.name);
     warnings.extend(crossing::unmeasurable(&[&arm]));
+    warnings.extend(untrained(&arm));
     if global.format != Format::Json {
         let arms = ReportInput { arms: vec![arm], ..ReportInput::default() };
         output::data(&text(policy, &conditions.protocol, &arms));
@@ -184,6 +186,20 @@ fn lay_out(table: &Table, width: usize, text: &mut String) {
         table.rows.iter().zip(&cells).for_each(|(one, cells)| row(&one.label, cells));
         first = last;
     }
+}
+
+/// A remark if commanded speeds are outside of the range of the training.
+fn untrained(arm: &Arm) -> Option<String> {
+    let [low, high] = Task::commanded(Section::new(&arm.fields))?.speed.bounds();
+    let commands = arm.evaluations.iter().filter_map(|measured| measured.evaluation.command);
+    let mut outside: Vec<f64> = commands.filter(|speed| !(low..=high).contains(speed)).collect();
+    outside.sort_by(f64::total_cmp);
+    outside.dedup();
+    let trained = if low == high { format!("{low} m/s") } else { format!("{low} to {high} m/s") };
+    let verb = if outside.len() == 1 { "is" } else { "are" };
+    let outside: Vec<String> = outside.iter().map(f64::to_string).collect();
+    let outside = outside.join(", ");
+    (!outside.is_empty()).then(|| format!("{outside} m/s {verb} outside of the trained speeds, {trained}"))
 }
 
 /// A remark if the policy's robot differs from the built-in one of the same name.

@@ -7,8 +7,11 @@ use crate::cli::study::{self, Source};
 use crate::cli::{Exit, Global, output};
 use crate::deploy::policy;
 use crate::escape::shell;
+use crate::exec::Store;
 use crate::exec::manifest::Depth;
 use crate::plan::{Cached, Stage, StageKind};
+use crate::spec::LoadOptions;
+use crate::study::{Log, Study};
 
 /// Whether a path names a spec and not a policy.
 pub fn is_spec(path: &Path) -> bool {
@@ -27,10 +30,7 @@ pub fn policy(spec: &Path, variant: &Variant, global: &Global) -> Result<PathBuf
         output::complain(global, &message, Some(advice));
         return Err(Exit::Usage);
     }
-    // The first arm is the spec itself; the others are those that it is compared with.
-    let own = &study.plan.arms[0];
-    let exports = own.stages.values().filter_map(|key| study.plan.stage(key));
-    let Some(export) = exports.into_iter().find(|stage| stage.kind == StageKind::Export) else {
+    let Some(export) = export(&study) else {
         let message = format!("{} exports no policy", spec.display());
         let advice = "add `[deploy.policy]` with `kind = \"export\"` to the spec, and run it";
         output::complain(global, &message, Some(advice));
@@ -47,7 +47,13 @@ pub fn policy(spec: &Path, variant: &Variant, global: &Global) -> Result<PathBuf
                 store.root().display(),
                 under(variant)
             ),
-            format!("train it first: `{again}`{}", other_profiles(&study.profiles, variant)),
+            match trained(spec, &study.profiles, variant, &store).as_slice() {
+                [] => format!("train it first: `{again}`"),
+                profiles => format!(
+                    "train it: `{again}`, or name the profile that it was trained under: {}",
+                    profiles.join(" or ")
+                ),
+            },
         ),
         Cached::Damaged(reason) => (
             format!("the policy of {} is damaged: {reason}", spec.display()),
@@ -77,9 +83,22 @@ fn arguments(variant: &Variant) -> String {
     profile.chain(sets).collect()
 }
 
-fn other_profiles(profiles: &[String], variant: &Variant) -> String {
-    if variant.profile.is_some() || profiles.is_empty() {
-        return String::new();
-    }
-    format!(", or name the profile it was trained under: `--profile {}`", profiles.join("` or `--profile "))
+/// The stage that exports the policy of a spec. The first arm is the spec itself; the others are those that it
+/// is compared with.
+fn export(study: &Study) -> Option<&Stage> {
+    let own = &study.plan.arms[0];
+    own.stages.values().filter_map(|key| study.plan.stage(key)).find(|stage| stage.kind == StageKind::Export)
+}
+
+/// The options `--profile NAME` of the profiles under which the store has a policy of the spec.
+fn trained(spec: &Path, profiles: &[String], variant: &Variant, store: &Store) -> Vec<String> {
+    let stored = |profile: &&String| {
+        let options = LoadOptions { profile: Some(profile.to_string()), ..variant.options() };
+        let study = Study::read(&[spec.to_owned()], &options, &mut Log::default()).ok()?;
+        let export = export(&study)?;
+        matches!(store.inspect(export.kind, &export.fingerprint, Depth::Quick), Cached::Yes).then_some(())
+    };
+    let others = profiles.iter().filter(|name| variant.profile.as_ref() != Some(*name));
+    let named = others.filter(|name| stored(name).is_some());
+    named.map(|name| format!("`--profile {}`", shell::argument(Path::new(name)))).collect()
 }
