@@ -5,11 +5,13 @@ use std::collections::btree_map::Entry::{Occupied, Vacant};
 
 use super::limit::MOST;
 use super::point::Point;
-use super::sweep::RESERVED;
 use super::wrong_type;
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::spec::suggest::nearest;
 use crate::syntax::{Entry, Item, Map, Node};
+
+/// Keys of `[sweep]` that are not axes.
+pub const RESERVED: &[&str] = &["seeds", "zip", "include", "exclude"];
 
 /// An axis.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::sweep::RESERVED;
+use super::axis::RESERVED;
 use super::{ClaimPolicy, wrong_type};
 use crate::diag::{Diagnostic, Sink};
 use crate::spec::family::Member;

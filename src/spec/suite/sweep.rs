@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::axis::Axis;
+use super::axis::{Axis, RESERVED};
 use super::point::paths;
 use super::seeds::{self, Seed};
 use super::selection::Pattern;
@@ -10,9 +10,6 @@ use super::wrong_type;
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::spec::suggest::{listed, nearest};
 use crate::syntax::{Entry, Item, Map, Node};
-
-/// Keys of `[sweep]` that are not axes.
-pub const RESERVED: &[&str] = &["seeds", "zip", "include", "exclude"];
 
 /// The path that seeds assign.
 pub const SEED_PATH: &str = "learn.seed";

@@ -78,7 +78,7 @@ mod tests {
 
     #[test]
     fn every_key_of_a_sweep_that_is_no_axis_is_explained() {
-        use crate::spec::suite::sweep::RESERVED;
+        use crate::spec::suite::axis::RESERVED;
         assert!(RESERVED.iter().all(|key| SWEEP.contains(key)));
     }
 }
