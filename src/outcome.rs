@@ -31,6 +31,16 @@ pub struct Evaluation {
     pub trace: Trace,
 }
 
+impl Evaluation {
+    /// The episodes that ended because the simulation diverged (NaN, infinity or absurd values).
+    pub fn diverged(&self) -> impl Iterator<Item = &Episode> {
+        self.episodes.iter().filter(|episode| episode.end == EXPLODED)
+    }
+}
+
+/// The end of an episode in which the simulation diverged.
+pub const EXPLODED: &str = "exploded";
+
 /// The measurements of one episode.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Episode {

@@ -463,6 +463,7 @@ mod engines {
     /// A line's numbers against those of the store, bit for bit.
     fn agrees(line: &Value, evaluation: &Evaluation) {
         assert_eq!(line["engine"].as_str(), Some(evaluation.engine.as_str()));
+        assert_eq!(line["physics_rate"].as_f64(), Some(evaluation.physics_rate));
         assert_eq!(line["command"].as_f64(), evaluation.command);
         assert_eq!(line["episodes"].as_u64(), Some(evaluation.episodes.len() as u64));
         let keys = [
@@ -482,7 +483,7 @@ mod engines {
         for (key, metric) in keys {
             assert_eq!(line[key].as_f64(), average(evaluation, metric), "{} {key}", evaluation.engine);
         }
-        assert_eq!(line.as_object().expect("a table").len(), keys.len() + 3);
+        assert_eq!(line.as_object().expect("a table").len(), keys.len() + 4);
     }
 
     #[test]
@@ -553,7 +554,7 @@ mod engines {
         let both = evaluate(&file.path, &[&short[..], &["--speeds", "0.1,0.3"]].concat());
         let text = String::from_utf8_lossy(&both.stdout).into_owned();
         for words in [
-            "2 episodes each, seed 1000, ground flat\n",
+            "2 episodes each, seed 1000, ground flat, physics 500 Hz in batch\n",
             "survival (%)",
             "batch, 0.1 m/s",
             "batch, 0.3 m/s",

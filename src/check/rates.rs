@@ -93,6 +93,8 @@ fn neighbours(subject: &Subject, key: &str, present: f64, rates: &[f64], all: bo
         || rates.iter().copied().filter(|rate| near(*rate) && plain(*rate) && fits(subject, key, *rate, all));
     let below = sound().filter(|rate| *rate < present).reduce(f64::max);
     let above = sound().filter(|rate| *rate > present).reduce(f64::min);
+    // Products of decimals: 1997.9999999999998 is 1998.
+    let [below, above] = [below, above].map(|rate| rate.map(|rate| (rate * 1e3).round() / 1e3));
     match (below, above) {
         (Some(below), Some(above)) => Some(format!("`{key}` can be {below} Hz or {above} Hz")),
         (Some(rate), None) | (None, Some(rate)) => Some(format!("`{key}` can be {rate} Hz")),
@@ -173,6 +175,8 @@ mod tests {
         let text =
             "physics = { rate = 500.0 }\naction = { rate = 250.0 }\nevaluate.nominal = { rate = 333.0 }";
         assert_eq!(messages(text)[0].1, ["`evaluate.nominal.rate` can be 250 Hz or 500 Hz"]);
+        let text = "physics = { rate = 99.9 }\naction = { rate = 33.3 }\ndeploy.mujoco = { rate = 2000.0 }";
+        assert_eq!(messages(text)[0].1, ["`deploy.mujoco.rate` can be 1998 Hz or 2031.3 Hz"]);
         let text = "physics = { rate = 499.0 }\naction = { rate = 50.0, servo_rate = 250.0 }";
         assert_eq!(messages(text)[0].1, ["`physics.rate` can be 250 Hz or 500 Hz"]);
     }

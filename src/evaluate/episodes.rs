@@ -17,7 +17,7 @@ use crate::env::{Blueprint, BlueprintError, End, Mode, Randomized, RobotEnvironm
 use crate::kinds::task::Task;
 use crate::learn::inference::{Inference, Scratch};
 use crate::learn::network::Network;
-use crate::outcome::{Episode, Evaluation};
+use crate::outcome::{EXPLODED, Episode, Evaluation};
 use crate::robot::{Kinematics, Leg};
 use crate::sim::Engine;
 use crate::spec::Section;
@@ -289,7 +289,7 @@ impl<'a> Course<'a> {
             let end = match step.end {
                 None => continue,
                 Some(End::TimeOut) => "time_out",
-                Some(End::Exploded) => "exploded",
+                Some(End::Exploded) => EXPLODED,
                 Some(End::Terminated(cause)) => &environment.view().causes()[cause],
             };
             let (episode, trace) = meter.finish(&stream, end, step.end == Some(End::TimeOut));

@@ -36,6 +36,7 @@ pub mod preflight;
 pub mod provenance;
 pub mod publish;
 pub mod question;
+pub mod rates;
 pub mod render;
 pub mod render_command;
 pub mod request;

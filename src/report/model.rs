@@ -251,6 +251,13 @@ impl Arm {
         self.section().within::<Part>().and_then(|table| table.kind()).unwrap_or("")
     }
 
+    /// The engine of one of its evaluations, or the stage if it has several in that engine.
+    pub fn place_of<'a>(&self, measured: &'a Measured) -> &'a str {
+        let engine = &measured.evaluation.engine;
+        let twins = self.evaluations.iter().filter(|other| other.evaluation.engine == *engine).count();
+        if twins > 1 { &measured.stage } else { engine }
+    }
+
     /// What its task requires; `None` for an unknown task.
     pub fn task(&self) -> Option<&'static Meaning> {
         task::meaning(self.kind::<Task>())

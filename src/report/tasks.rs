@@ -8,7 +8,6 @@ use super::model::{Arm, Measured, ReportInput};
 use super::table::conditions::conditions;
 use super::verdict::judge;
 use super::wording::{arm_in_words, labels, listed};
-use crate::outcome::Evaluation;
 
 /// Most arms that are listed by name at the top of a page.
 const NAMED: usize = 8;
@@ -215,14 +214,11 @@ fn of_one_arm(records: &[&TaskRecord]) -> String {
     )
 }
 
-/// Number of episodes that the engine ended because the simulation diverged (NaN, infinity or absurd values).
-pub fn exploded(evaluation: &Evaluation) -> usize {
-    evaluation.episodes.iter().filter(|episode| episode.end == "exploded").count()
-}
-
-/// Whether any such episodes exist in a stage of a run: their measurements say nothing about the robot.
+/// Whether the simulation diverged in episodes of a stage of a run: their measurements say nothing about the
+/// robot.
 pub fn explodes(run: &Arm, stage: &str) -> bool {
-    run.evaluations.iter().any(|measured| measured.stage == stage && exploded(&measured.evaluation) > 0)
+    let of_stage = |measured: &&Measured| measured.stage == stage;
+    run.evaluations.iter().filter(of_stage).any(|measured| measured.evaluation.diverged().next().is_some())
 }
 
 /// Whether a run does its task in a stage. If the stage has other conditions, its first evaluation under the
@@ -281,7 +277,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
-    use crate::outcome::Episode;
+    use crate::outcome::{Episode, Evaluation};
     use crate::spec::Value;
 
     fn arm(name: &str, survived: bool) -> Arm {

@@ -4,6 +4,7 @@ use super::comparison::are_paired;
 use super::crossing;
 use super::dead_reward;
 use super::model::{Arm, ReportInput, Update};
+use super::rates;
 use super::table::health::shown;
 use super::table::setup::{budget_samples, learning_samples};
 use super::untrained;
@@ -26,6 +27,7 @@ pub fn warnings(input: &ReportInput) -> Vec<String> {
         warnings.extend(of_evaluations(arm, name));
     }
     warnings.extend(crossing::warnings(&input.arms.iter().collect::<Vec<_>>()));
+    warnings.extend(rates::warning(&input.arms));
     warnings.push(format!(
         "Only one seed{}. The intervals are about these policies, not about the methods.",
         if input.arms.len() > 1 { " per arm: differences between the arms may be chance" } else { "" }
@@ -55,18 +57,19 @@ fn failures(arm: &Arm, name: &str) -> Vec<String> {
 pub fn of_evaluations(arm: &Arm, name: &str) -> Vec<String> {
     let mut found = Vec::new();
     for measured in &arm.evaluations {
-        let (evaluation, engine) = (&measured.evaluation, &measured.evaluation.engine);
+        let (evaluation, place) = (&measured.evaluation, arm.place_of(measured));
         if arm.travels() && stands_still(evaluation) {
-            found.push(format!("{name}, {engine}: survives by standing still; that is not the task."));
+            found.push(format!("{name}, {place}: survives by standing still; that is not the task."));
         }
         if let Some(reason) = judge(arm, evaluation).unjudged {
-            found.push(format!("{name}, {engine}: the task is not judged: {reason}."));
+            found.push(format!("{name}, {place}: the task is not judged: {reason}."));
         }
-        let exploded = super::tasks::exploded(evaluation);
-        if exploded > 0 {
+        if let Some(first) = evaluation.diverged().next() {
             found.push(format!(
-                "{name}, {engine}: the physics diverged in {exploded} of {} episodes (`R0001`).",
-                evaluation.episodes.len()
+                "{name}, {place}: the physics diverged in {} of {} episodes (`R0001`), first in `{}`.",
+                evaluation.diverged().count(),
+                evaluation.episodes.len(),
+                first.stream
             ));
         }
     }

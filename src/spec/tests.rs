@@ -374,6 +374,17 @@ fn assignments_are_checked_like_any_other_value() {
     assert_eq!(found("action.kind=torqe"), mistake("E0301", "torqe", Some("\"torque\"")));
 }
 
+#[test]
+fn an_assignment_to_a_disabled_table_is_told_unless_it_disables_it() {
+    let text = WALKER.to_owned() + "[profile.calm]\nreward.upright.enabled = false\n";
+    let folder = Folder::new(&[("walker.toml", &text)]);
+    let found = |profile, sets: &[&str]| folder.mistakes("walker.toml", profile, sets);
+    assert_eq!(found(Some("calm"), &["reward.upright.weight=2"]), [mistake("W0524", "2", None)]);
+    assert_eq!(found(None, &["reward.upright.weight=2"]), []);
+    assert_eq!(found(Some("calm"), &["reward.upright.weight=2", "reward.upright.enabled=true"]), []);
+    assert_eq!(found(None, &["reward.upright.weight=2", "reward.upright.enabled=false"]), []);
+}
+
 /// The last one won before.
 #[test]
 fn a_path_is_assigned_once() {

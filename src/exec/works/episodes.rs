@@ -41,7 +41,9 @@ impl Work for Evaluate {
         let ledger = Ledger::open(job, protocol.conditions.len())?;
         let evaluation = followed(&subject, &protocol, job.threads.now(), &ledger);
         ledger.close()?;
-        job.write("evaluation.json", &evaluation.map_err(unfinished)?)
+        let evaluation = evaluation.map_err(unfinished)?;
+        tell_diverged(job, &evaluation);
+        job.write("evaluation.json", &evaluation)
     }
 }
 
@@ -81,7 +83,23 @@ impl Work for Transfer {
         if transfer.engine == EngineName::Mujoco.word() {
             job.write_text("robot.xml", &transfer.mjcf(&policy).map_err(failed)?)?;
         }
-        job.write("evaluation.json", &evaluation?)
+        let evaluation = evaluation?;
+        tell_diverged(job, &evaluation);
+        job.write("evaluation.json", &evaluation)
+    }
+}
+
+/// Reports episodes in which the simulation diverged; the stage counts them and goes on.
+fn tell_diverged(job: &Job, evaluation: &Evaluation) {
+    if let Some(first) = evaluation.diverged().next() {
+        let (count, all) = (evaluation.diverged().count(), evaluation.episodes.len());
+        let message =
+            format!("the physics diverged in {count} of {all} episodes, first in `{}`", first.stream);
+        job.finding(
+            "R0001",
+            message,
+            "raise the physics rate, or weaken what pushes the robot: its numbers mean nothing",
+        );
     }
 }
 

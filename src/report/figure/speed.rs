@@ -3,7 +3,7 @@
 use super::Figure;
 use crate::kinds::task::Task;
 use crate::report::metric::Metric;
-use crate::report::model::{Arm, Measured, ReportInput};
+use crate::report::model::ReportInput;
 use crate::report::plot::{Anchor, Area, Axis, Drawing, Ink, Panel, Stroke, axis::written};
 use crate::report::source::sources;
 use crate::report::verdict::asked_speed;
@@ -68,7 +68,7 @@ fn rows(input: &ReportInput) -> Vec<Row> {
         for measured in arm.evaluations.iter().filter(|measured| !measured.evaluation.episodes.is_empty()) {
             let estimate = speed.estimate(&measured.evaluation);
             rows.push(Row {
-                label: format!("{}, {}", names[place], place_of(arm, measured)),
+                label: format!("{}, {}", names[place], arm.place_of(measured)),
                 ink: Ink::Arm(place),
                 speeds: speed.values(&measured.evaluation),
                 asked: asked_speed(arm, &measured.evaluation),
@@ -78,13 +78,6 @@ fn rows(input: &ReportInput) -> Vec<Row> {
         }
     }
     rows
-}
-
-/// The engine of an evaluation, or its name if the arm has several in that engine.
-fn place_of(arm: &Arm, measured: &Measured) -> String {
-    let engine = &measured.evaluation.engine;
-    let twins = arm.evaluations.iter().filter(|other| other.evaluation.engine == *engine).count();
-    if twins > 1 { measured.stage.clone() } else { engine.clone() }
 }
 
 fn draw(drawing: &mut Drawing, panel: &Panel, height: f64, row: &Row) {

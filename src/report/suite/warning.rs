@@ -9,7 +9,7 @@ use crate::report::table::health::shown;
 use crate::report::table::setup::{budget_samples, trained_samples};
 use crate::report::verdict::stands_still;
 use crate::report::wording::{arm_in_words, count, number};
-use crate::report::{crossing, tasks, untrained};
+use crate::report::{crossing, rates, untrained};
 
 /// Most runs that are listed by name.
 const NAMED: usize = 8;
@@ -23,6 +23,7 @@ pub fn warnings(input: &ReportInput) -> Vec<String> {
     warnings.extend(groups.iter().filter_map(never_updated));
     warnings.extend(unwell(&groups));
     warnings.extend(crossing::warnings(&input.arms.iter().collect::<Vec<_>>()));
+    warnings.extend(rates::warning(&input.arms));
     warnings.push(seeds(&groups));
     warnings.extend(budgets(&groups));
     warnings.extend(tried::warning(&groups));
@@ -51,7 +52,7 @@ fn explosions(group: &Group<'_>) -> Vec<String> {
     let mut counts: BTreeMap<&str, [usize; 2]> = BTreeMap::new();
     for measured in group.runs.iter().flat_map(|run| &run.evaluations) {
         let [exploded, all] = counts.entry(&measured.stage).or_default();
-        *exploded += tasks::exploded(&measured.evaluation);
+        *exploded += measured.evaluation.diverged().count();
         *all += measured.evaluation.episodes.len();
     }
     let told =

@@ -210,7 +210,7 @@ fn stuck(robot: &Robot) -> Option<Issue> {
         "E0425",
         held(robot, LEFT[0], f64::INFINITY),
         "joints",
-        "write a Coulomb friction below the effort limit",
+        "write a Coulomb friction below 80 % of the effort limit: the rest must move the leg",
     )
 }
 

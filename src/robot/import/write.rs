@@ -395,7 +395,9 @@ fn inertia(tensor: &Matrix3<f64>) -> String {
         ("ixz", tensor.m13),
         ("iyz", tensor.m23),
     ];
-    let entries = entries.map(|(key, value)| format!("{key} = \"{} kg*m^2\"", number(value)));
+    // What is small for this body, which may be small itself.
+    let none = (1e-10 * tensor.amax()).min(NONE);
+    let entries = entries.map(|(key, value)| format!("{key} = \"{} kg*m^2\"", number_above(value, none)));
     format!("{{ {} }}", entries.join(", "))
 }
 
@@ -409,11 +411,18 @@ fn angles(turn: &UnitQuaternion<f64>) -> String {
     fixed_angles(turn).map(|angle| format!("\"{} rad\"", number(angle))).join(", ")
 }
 
+/// Rounding errors of rotations, far below a micrometre and a microgram square metre.
+const NONE: f64 = 1e-13;
+
 /// A number with twelve significant digits.
 fn number(value: f64) -> String {
+    number_above(value, NONE)
+}
+
+/// A number with twelve significant digits; 0 if it is smaller than a rounding error.
+fn number_above(value: f64, none: f64) -> String {
     let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
-    // Rounding errors of rotations, far below a micrometre and a microgram square metre.
-    if rounded.abs() < 1e-13 { "0".to_owned() } else { rounded.to_string() }
+    if rounded.abs() < none { "0".to_owned() } else { rounded.to_string() }
 }
 
 /// A number that TOML parses as a float.
@@ -429,6 +438,15 @@ fn quoted(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_small_inertia_is_kept_and_a_rounding_error_is_not() {
+        let tensor = |most: f64| inertia(&Matrix3::from_diagonal(&Vector3::new(most, most, 1e-17)));
+        assert!(tensor(1.0).contains("izz = \"0 kg*m^2\""), "{}", tensor(1.0));
+        assert!(tensor(1e-14).contains("ixx = \"0.00000000000001 kg*m^2\""), "{}", tensor(1e-14));
+        assert!(tensor(1e-14).contains("izz = \"0.00000000000000001 kg*m^2\""), "{}", tensor(1e-14));
+        assert!(tensor(1e-14).contains("ixy = \"0 kg*m^2\""), "{}", tensor(1e-14));
+    }
 
     #[test]
     fn what_all_joints_lack_is_one_line_and_feet_are_no_joints() {

@@ -4,6 +4,7 @@
 //! A failed value is poisoned: its table is left out of the result, so that one cause gives one error.
 
 mod choice;
+mod in_vain;
 mod keys;
 mod misread;
 mod relative;

@@ -1,5 +1,6 @@
 //! Named terms: tables whose kind defaults to their name, and which can be disabled.
 
+use super::in_vain::assigned_in_vain;
 use super::{Decoder, Registry, scalar};
 use crate::diag::{Diagnostic, Span};
 use crate::spec::marks::below;
@@ -107,8 +108,12 @@ impl Decoder<'_> {
         if self.partial && !has_kind {
             return;
         }
+        let before = self.sink.diagnostics.len();
         let mut decoder = Decoder { partial: true, wordings: self.wordings, ..Decoder::new(&mut *self.sink) };
         decoder.of_kind(node, registry, path, name);
+        if self.sink.diagnostics.len() == before {
+            assigned_in_vain(node, path, self.sink);
+        }
     }
 
     /// Whether only `enabled` is written and no parent defines the term.

@@ -18,6 +18,7 @@ use crate::outcome::Evaluation;
 use crate::report::crossing;
 use crate::report::metric::average;
 use crate::report::model::{Arm, Measured, ReportInput};
+use crate::report::rates;
 use crate::report::table::evaluation as tables;
 use crate::report::table::{Cell, Table};
 use crate::report::verdict::judge;
@@ -39,6 +40,7 @@ pub fn line(evaluation: &Evaluation) -> serde_json::Value {
     let mean = |name| average(evaluation, name);
     json!({
         "engine": evaluation.engine,
+        "physics_rate": evaluation.physics_rate,
         "command": evaluation.command,
         "episodes": evaluation.episodes.len(),
         "survival": mean("survival"),
@@ -107,7 +109,8 @@ fn text(policy: &Policy, protocol: &Protocol, input: &ReportInput) -> String {
         contract.provenance.version,
         contract.provenance.commit,
     ));
-    text += &one_line(&conditions(policy, protocol));
+    let rates = rates::in_words(arm.evaluations.iter().map(|measured| &measured.evaluation));
+    text += &one_line(&format!("{}, physics {rates}", conditions(policy, protocol)));
     let mut table = tables::evaluation(input);
     for (head, measured) in table.columns.iter_mut().skip(1).zip(&arm.evaluations) {
         *head = measured.stage.clone();
