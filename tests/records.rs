@@ -3,6 +3,8 @@
 
 #![cfg(all(feature = "batch", feature = "rapier", feature = "mujoco"))]
 
+mod sets;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -34,7 +36,7 @@ fn specforge(store: &Path, words: &[&str], more: &[&str]) -> Output {
     command.args(words);
     if !matches!(words, ["cache", "import", ..]) {
         command.args([SPEC, "--profile", "quick"]);
-        command.args(SMALL.iter().chain(more).flat_map(|assignment| ["--set", assignment]));
+        command.args(sets::options(SMALL, more));
     }
     command.output().unwrap()
 }

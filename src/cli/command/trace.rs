@@ -119,7 +119,12 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let cells = if row.is_some() { cells } else { Vec::new() };
     match global.format {
         Format::Json => output::json(&document(sidecar, item, &cells)),
-        _ => output::data(&text(sidecar, item, &cells, global.verbose > 0)),
+        _ => {
+            output::data(&text(sidecar, item, &cells, global.verbose > 0));
+            if global.verbose == 0 {
+                output::note(global, "`--verbose` lists the values of the inputs, too");
+            }
+        }
     }
     Exit::Ok
 }
