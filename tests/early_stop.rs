@@ -24,7 +24,7 @@ fn train(store: &Path, more: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
     command.current_dir(env!("CARGO_MANIFEST_DIR")).arg("--store").arg(store).env("OMP_NUM_THREADS", "1");
     command.args(["run", "specs/tocabi_walk_torque.toml", "--profile", "quick", "--jobs", "1"]);
-    command.args(sets::options(SMALL, more));
+    command.args(sets::usual(SMALL, more)).args(more.iter().flat_map(|set| ["--set", set]));
     command.args(["--until", "tocabi_walk_torque/learner"]).arg("--reports").arg(store.join("reports"));
     let output = command.stdout(Stdio::piped()).stderr(Stdio::piped()).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

@@ -36,7 +36,7 @@ fn specforge(store: &Path, words: &[&str], more: &[&str]) -> Output {
     command.args(words);
     if !matches!(words, ["cache", "import", ..]) {
         command.args([SPEC, "--profile", "quick"]);
-        command.args(sets::options(SMALL, more));
+        command.args(sets::usual(SMALL, more)).args(more.iter().flat_map(|set| ["--set", set]));
     }
     command.output().unwrap()
 }

@@ -2,6 +2,8 @@
 
 #![cfg(all(feature = "batch", feature = "rapier", feature = "mujoco"))]
 
+mod sets;
+
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -38,7 +40,7 @@ fn specforge(store: &Path) -> Command {
 fn run(store: &Path, jobs: &str, more: &[&str]) -> Command {
     let mut command = specforge(store);
     command.args(["run", SPEC, "--profile", "quick", "--jobs", jobs]);
-    command.args(SMALL.iter().flat_map(|assignment| ["--set", assignment])).args(more);
+    command.args(sets::usual(SMALL, more)).args(more);
     command.arg("--reports").arg(store.join("reports")).stdout(Stdio::piped()).stderr(Stdio::piped());
     command
 }

@@ -1,8 +1,8 @@
 //! Options `--set` of a small run, some of which a test replaces.
 
-/// The options for the usual assignments and more; those of the same path replace the usual ones.
-pub fn options<'a>(usual: &[&'a str], more: &[&'a str]) -> Vec<&'a str> {
-    let path = |set: &'a str| set.split('=').next();
-    let kept = usual.iter().filter(|set| more.iter().all(|other| path(other) != path(set)));
-    kept.chain(more).flat_map(|set| ["--set", *set]).collect()
+/// The options for the usual assignments, without those whose path other words of the command line assign.
+pub fn usual<'a>(usual: &[&'a str], others: &[&str]) -> Vec<&'a str> {
+    let path = |set: &str| set.split('=').next().map(str::to_owned);
+    let kept = usual.iter().filter(|set| others.iter().all(|other| path(other) != path(set)));
+    kept.flat_map(|set| ["--set", *set]).collect()
 }
