@@ -98,7 +98,7 @@ fn tell_diverged(job: &Job, evaluation: &Evaluation) {
         job.finding(
             "R0001",
             message,
-            "raise the physics rate, or weaken what pushes the robot: its numbers mean nothing",
+            "raise the physics rate, or weaken what pushes the robot; the numbers of such episodes mean nothing",
         );
     }
 }
