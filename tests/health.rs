@@ -101,3 +101,18 @@ fn a_training_that_jumps_says_so_in_events_files_and_report_unless_the_spec_mean
     let log = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(!log.contains("W0601") && log.contains("done in"), "{log}");
 }
+
+/// An impulse that no simulation survives, before the policy of this training can fall.
+#[test]
+fn an_evaluation_that_diverges_is_told_with_its_first_episode_and_does_not_fail() {
+    let folder = tempfile::tempdir().unwrap();
+    // The largest impulse that the key takes moves a robot of half of TOCABI's mass faster than 1000 m/s.
+    let push = "[evaluate.nominal.randomize.push]\nimpulse = \"1e5 N*s\"\nduration = \"1 ms\"\n\
+                at = \"0.02 s\"\n[evaluate.nominal.randomize.link_mass]\nscale = 0.5\n";
+    let output = run(&spec(folder.path(), push), &folder.path().join("store"), &["--format", "json"]);
+    let told = warnings(&output.stdout);
+    let warning = told.iter().find(|warning| warning["code"] == "R0001").expect("the divergence is told");
+    assert_eq!(warning["stage"], "evaluate.nominal");
+    let expected = "the physics diverged in 1 of 1 episodes, first in `1000/evaluate/episode/0`";
+    assert_eq!(warning["message"], expected);
+}

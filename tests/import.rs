@@ -351,6 +351,7 @@ fn mistakes_are_said_and_leave_nothing_behind() {
         2,
         "`kneee` matches no moving joint; there are",
     );
+    fails(&["walker.urdf", "--fill", "shoulder:armature=1 kg*m^2"], 2, ", and left_shoulder is welded");
     fails(
         &["walker.urdf", "--feet", "left_ankle_roll_link,toe"],
         3,

@@ -89,7 +89,8 @@ impl Work for Transfer {
     }
 }
 
-/// Reports episodes in which the simulation diverged; the stage counts them and goes on.
+/// Warns of episodes in which the simulation diverged. They do not fail the stage, because the other episodes
+/// are sound.
 fn tell_diverged(job: &Job, evaluation: &Evaluation) {
     if let Some(first) = evaluation.diverged().next() {
         let (count, all) = (evaluation.diverged().count(), evaluation.episodes.len());

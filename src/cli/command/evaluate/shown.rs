@@ -83,7 +83,7 @@ pub fn tell(
     crossing::forget(&mut arm);
     let mut warnings = of_evaluations(&arm, &arm.name);
     warnings.extend(crossing::unmeasurable(&[&arm]));
-    warnings.extend(untrained(&arm));
+    warnings.extend(beyond_training(&arm));
     if global.format != Format::Json {
         let arms = ReportInput { arms: vec![arm], ..ReportInput::default() };
         output::data(&text(policy, &conditions.protocol, &arms));
@@ -192,7 +192,7 @@ fn lay_out(table: &Table, width: usize, text: &mut String) {
 }
 
 /// A remark if commanded speeds are outside of the range of the training.
-fn untrained(arm: &Arm) -> Option<String> {
+fn beyond_training(arm: &Arm) -> Option<String> {
     let [low, high] = Task::commanded(Section::new(&arm.fields))?.speed.bounds();
     let commands = arm.evaluations.iter().filter_map(|measured| measured.evaluation.command);
     let mut outside: Vec<f64> = commands.filter(|speed| !(low..=high).contains(speed)).collect();

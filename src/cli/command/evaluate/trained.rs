@@ -92,13 +92,14 @@ fn export(study: &Study) -> Option<&Stage> {
 
 /// The options `--profile NAME` of the profiles under which the store has a policy of the spec.
 fn trained(spec: &Path, profiles: &[String], variant: &Variant, store: &Store) -> Vec<String> {
-    let stored = |profile: &&String| {
+    let is_stored = |profile: &&String| {
         let options = LoadOptions { profile: Some(profile.to_string()), ..variant.options() };
-        let study = Study::read(&[spec.to_owned()], &options, &mut Log::default()).ok()?;
-        let export = export(&study)?;
-        matches!(store.inspect(export.kind, &export.fingerprint, Depth::Quick), Cached::Yes).then_some(())
+        let study = Study::read(&[spec.to_owned()], &options, &mut Log::default());
+        study.is_ok_and(|study| {
+            let found = export(&study).map(|own| store.inspect(own.kind, &own.fingerprint, Depth::Quick));
+            matches!(found, Some(Cached::Yes))
+        })
     };
     let others = profiles.iter().filter(|name| variant.profile.as_ref() != Some(*name));
-    let named = others.filter(|name| stored(name).is_some());
-    named.map(|name| format!("`--profile {}`", shell::argument(Path::new(name)))).collect()
+    others.filter(is_stored).map(|name| format!("`--profile {}`", shell::argument(Path::new(name)))).collect()
 }

@@ -224,7 +224,8 @@ fn misses(fills: &[Fill], welded: &Welded) -> Option<String> {
     let fits =
         |fill: &&Fill| fill.joints.as_ref().is_none_or(|joints| names().any(|name| joints.is_match(name)));
     let joints = fills.iter().find(|fill| !fits(fill))?.joints.as_ref()?;
-    let is_fixed = |name: &&String| joints.is_match(name.split(' ').next().unwrap_or_default());
+    // Names of joints that are not hinges are followed by their kind, `knee (prismatic)`.
+    let is_fixed = |name: &&String| joints.is_match(name.rsplit_once(" (").map_or(name, |(joint, _)| joint));
     let fixed = welded.fixed.iter().find(is_fixed).map(|name| format!(", and {name} is welded"));
     let fixed = fixed.unwrap_or_default();
     Some(format!("--fill `{joints}` matches no moving joint; there are {}{fixed}", listed(names())))
